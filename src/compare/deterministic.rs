@@ -7,12 +7,9 @@
 //! between one and twelve, this rule all.
 
 use super::around;
-use super::difference_scale::DifferenceScale;
-use super::gate::{Gate, MEAN_DIFFERENCES, Metric, metrics};
-use super::image_gate::{Conditions, ImageGate};
+use super::gate::{Conditions, Description, Gate, MEAN_DIFFERENCES, Metric, metrics};
 use super::judgement::Judgement;
 use super::opacity;
-use super::picture::{Picture, PictureError};
 use crate::film::{CHANNELS, Film};
 use crate::math::Sum;
 
@@ -49,76 +46,32 @@ pub(crate) const OUTLIERS_OF_OPACITY: Metric = (
     "Pixels whose opacity is off by more than the tolerance; where opacity is compared.",
 );
 
-/// Linear radiance within a tolerance, for renderings without noise.
-#[derive(Clone, Copy, Debug)]
-pub struct Deterministic;
-
-impl Gate for Deterministic {
-    fn name(&self) -> &'static str {
-        "deterministic"
-    }
-
-    fn rule(&self) -> &'static str {
-        "Neither image has noise. A pixel agrees if each channel is within 0.001 plus 1 % of the \
+pub(super) const DESCRIPTION: Description = Description {
+    name: "deterministic",
+    rule: "Neither image has noise. A pixel agrees if each channel is within 0.001 plus 1 % of the \
          golden: that is one tolerance. At most 0.02 % of the pixels may disagree (rays that graze \
          an edge), none by more than 20 tolerances, and the mean of a channel may be off by a tenth \
          of a tolerance. No single pixel may be black among neighbours that are not. Opacity, where \
-         both images have it, is one more channel; 1 or 0 everywhere counts only in cases that ask for opacity."
-    }
-
-    fn metrics(&self) -> &'static [Metric] {
-        &metrics! {
-            "outlier_pixels" => "Pixels that are off by more than the tolerance.";
-            "outlier_share" => "The same as a fraction of all pixels; at most 0.0002 are allowed.";
-            FAR_SHARE;
-            "max_abs_error" => "Largest difference of any channel, in radiance.";
-            "worst_in_tolerances" =>
-                "Difference of the worst pixel in tolerances; above 1 the pixel disagrees, above 20 the image fails.";
-            "worst_column" => "Column of the worst pixel, from the left, from 0.";
-            "worst_row" => "Row of the worst pixel, from the top, from 0.";
-            "lost_pixels" =>
-                "Pixels that are exactly 0 in all channels, among neighbours that agree and are not; none are allowed.";
-            MEAN_DIFFERENCES[0];
-            MEAN_DIFFERENCES[1];
-            MEAN_DIFFERENCES[2];
-            OUTLIERS_OF_OPACITY;
-            "mean_difference_opacity" => "Mean of test minus golden: above 0, the volume is too opaque.";
-        }
-    }
-
-    fn difference_scale(&self, _golden: &Film, _test: &Film) -> DifferenceScale {
-        DifferenceScale::Tolerance {
-            absolute: ABSOLUTE,
-            relative: RELATIVE,
-        }
-    }
-}
-
-impl ImageGate for Deterministic {
-    fn judge(
-        &self,
-        reference: &Picture,
-        test: &Picture,
-        conditions: &Conditions<'_>,
-    ) -> Result<Judgement, PictureError> {
-        let [reference, test] = [reference, test].map(|picture| picture.radiance_for(self));
-        let allowed = if conditions.in_single_precision {
-            (OUTLIERS_OF_SINGLE_PRECISION, HARD_CAP_OF_SINGLE_PRECISION)
-        } else {
-            (OUTLIERS, HARD_CAP)
-        };
-        Ok(judge(reference?, test?, allowed, conditions.opacity))
-    }
-
-    fn default_for(&self) -> Option<&'static str> {
-        Some("two linear images without variance")
-    }
-
-    fn default_reason(&self, reference: &Picture, test: &Picture) -> Option<&'static str> {
-        let silent = |picture: &Picture| matches!(picture, Picture::Radiance(film) if film.noise().is_none());
-        (silent(reference) && silent(test)).then_some("")
-    }
-}
+         both images have it, is one more channel; 1 or 0 everywhere counts only in cases that ask for opacity.",
+    metrics: &metrics! {
+        "outlier_pixels" => "Pixels that are off by more than the tolerance.";
+        "outlier_share" => "The same as a fraction of all pixels; at most 0.0002 are allowed.";
+        FAR_SHARE;
+        "max_abs_error" => "Largest difference of any channel, in radiance.";
+        "worst_in_tolerances" =>
+            "Difference of the worst pixel in tolerances; above 1 the pixel disagrees, above 20 the image fails.";
+        "worst_column" => "Column of the worst pixel, from the left, from 0.";
+        "worst_row" => "Row of the worst pixel, from the top, from 0.";
+        "lost_pixels" =>
+            "Pixels that are exactly 0 in all channels, among neighbours that agree and are not; none are allowed.";
+        MEAN_DIFFERENCES[0];
+        MEAN_DIFFERENCES[1];
+        MEAN_DIFFERENCES[2];
+        OUTLIERS_OF_OPACITY;
+        "mean_difference_opacity" => "Mean of test minus golden: above 0, the volume is too opaque.";
+    },
+    default_for: Some("two linear images without variance"),
+};
 
 /// Tolerance of a channel that is `golden` in the right image.
 pub fn tolerance(golden: f64) -> f64 {
@@ -167,13 +120,17 @@ fn lone_black_pixels(reference: &Film, test: &Film) -> Vec<usize> {
         .collect()
 }
 
-/// Judges `test` by `reference`, both of one size and finite; this share of `outliers` is allowed, none
-/// by more than `cap` tolerances. Opacity counts, if it is the same everywhere, only where it is `asked` for.
+/// Judges `test` by `reference`, both of one size and finite. Opacity counts, if it is the same everywhere, only where it
+/// is asked for.
 ///
 /// A quantised image is judged by the nearest of those that round to it. A correct renderer is within its own small
 /// errors of the reference, so the mean needs no allowance for roundings that do not average out, as in an image of
 /// one colour.
-fn judge(reference: &Film, test: &Film, (outliers, cap): (f64, f64), asked: bool) -> Judgement {
+pub(super) fn judge(reference: &Film, test: &Film, conditions: &Conditions<'_>) -> Judgement {
+    let (outliers, cap) = match conditions.in_single_precision {
+        true => (OUTLIERS_OF_SINGLE_PRECISION, HARD_CAP_OF_SINGLE_PRECISION),
+        false => (OUTLIERS, HARD_CAP),
+    };
     let allowed = match test.quantisation() {
         Some(of) if of.blended => "one and a half codes + 0.001 + 1 %",
         Some(_) => "half a code + 0.001 + 1 %",
@@ -181,7 +138,7 @@ fn judge(reference: &Film, test: &Film, (outliers, cap): (f64, f64), asked: bool
     };
     let black = lone_black_pixels(reference, test);
     let colours = ColourDifference::between(reference, &test.nearest_to(reference));
-    let opacity = opacity::difference(reference, test, asked, tolerance);
+    let opacity = opacity::difference(reference, test, conditions.opacity, tolerance);
     let fault = (colours.of_pixels(allowed, outliers, cap))
         .or_else(|| of_black_pixels(&black, reference.width()))
         .or_else(|| colours.of_means())
@@ -194,7 +151,7 @@ fn judge(reference: &Film, test: &Film, (outliers, cap): (f64, f64), asked: bool
     }
     let passed = fault.is_none();
     let reason = fault.unwrap_or_else(|| colours.in_words(allowed));
-    Judgement::new(&Deterministic, passed, reason, &metrics)
+    Judgement::new(Gate::Deterministic, passed, reason, &metrics)
 }
 
 /// Sentence on the pixels that were lost, if there are any, in an image of this `width`.

@@ -139,7 +139,7 @@ impl Picture {
     }
 
     /// Linear radiance, which `gate` needs.
-    pub(super) fn radiance_for(&self, gate: &dyn Gate) -> Result<&Film, PictureError> {
+    pub(super) fn radiance_for(&self, gate: Gate) -> Result<&Film, PictureError> {
         let needs = || PictureError::NeedsRadiance(gate.name());
         self.radiance().ok_or_else(needs)
     }

@@ -1,10 +1,9 @@
 //! Results of cases.
 
 use super::known::{Known, KnownStatus};
-use crate::compare::{self, Detectable, Exact, GATES, Gate, Metric, NumberChange, Refinement};
+use crate::compare::{self, Detectable, Gate, Metric, NumberChange};
 use crate::suite::OF_TOLERANCE;
-use serde::de::Error;
-use serde::{Deserialize, Deserializer, Serialize};
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 /// The metric of a stochastic case beside those of the gate.
@@ -67,15 +66,6 @@ pub enum Cause {
     BadInput,
 }
 
-/// The rule that is written as its name.
-fn gate_named<'de, D: Deserializer<'de>>(from: D) -> Result<&'static dyn Gate, D::Error> {
-    let name = String::deserialize(from)?;
-    let gates = GATES.into_iter().map(|gate| gate as &'static dyn Gate);
-    let mut gates = gates.chain([&Refinement as &dyn Gate]);
-    let found = gates.find(|gate| gate.name() == name);
-    found.ok_or_else(|| D::Error::custom(format!("there is no gate {name:?}")))
-}
-
 /// The outcome of one case.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct CaseResult {
@@ -90,8 +80,7 @@ pub struct CaseResult {
     /// Numbers by name, all finite.
     pub metrics: BTreeMap<String, f64>,
     /// The rule applied.
-    #[serde(deserialize_with = "gate_named")]
-    pub gate: &'static dyn Gate,
+    pub gate: Gate,
     /// Reason in words.
     pub reason: String,
     /// Notes beside the verdict.
@@ -145,7 +134,7 @@ impl CaseResult {
             class: String::new(),
             verdict,
             metrics: BTreeMap::new(),
-            gate: &Exact,
+            gate: Gate::Exact,
             reason: reason.into(),
             notes: Vec::new(),
             conventions: Vec::new(),
@@ -165,7 +154,7 @@ impl CaseResult {
     }
 
     /// This result as that of a case of this name and class, judged by `gate`.
-    pub(crate) fn of_case(self, name: &str, class: &str, gate: &'static dyn Gate) -> CaseResult {
+    pub(crate) fn of_case(self, name: &str, class: &str, gate: Gate) -> CaseResult {
         CaseResult {
             family: name.split('/').next().unwrap_or_default().to_owned(),
             name: name.to_owned(),

@@ -9,8 +9,7 @@ use super::precision::{before_background, known, known_radiance, other_readings}
 use super::{CaseResult, Cause, Evidence, Judged, Verdict, random_samples, refinement};
 use crate::compare::depth::OUTLIERS_OF_DEPTH;
 use crate::compare::{
-    Deterministic, Gate, ImageGate, Judgement, Picture, Refinement, default_gate, judge,
-    precision_in_words, stochastic::is_off_by_noise,
+    Gate, Judgement, Picture, default_gate, judge, precision_in_words, stochastic::is_off_by_noise,
 };
 use crate::conventions::Profile;
 use crate::film::{Alpha, Film};
@@ -159,14 +158,13 @@ pub(crate) fn validate_with(case: &Case, checked: &CheckedGolden, picture: Pictu
     let golden = Picture::Radiance(golden);
     // An image that states its noise is judged by the stochastic gate, even in a deterministic case.
     let (gate, _) = default_gate(&golden, &picture);
-    let has_step =
-        case.is_limit() && checked.profile.is_none() && gate.name() == Deterministic.name();
-    let (finding, gate): (_, &'static dyn Gate) = if has_step {
+    let has_step = case.is_limit() && checked.profile.is_none() && gate == Gate::Deterministic;
+    let (finding, gate) = if has_step {
         let image = picture.radiance().expect("the gate is one of radiance");
         let judgement = refinement::judge_one(checked, image);
         (
             with_words(case, checked, judgement, &picture, None),
-            &Refinement,
+            Gate::Refinement,
         )
     } else {
         (judged(case, gate, checked, &golden, &picture), gate)
@@ -249,15 +247,15 @@ fn validate_refined(case: &Case, checked: &CheckedGolden, images: Vec<Picture>) 
     let images = images.map(|image| known_radiance(case, &checked.golden.film, image));
     let images: Vec<Film> = images.collect();
     // Images that nobody sees, such as a limit by extrapolation, are evidence of nothing.
-    let (judgement, gate, seen): (_, &'static dyn Gate, _) = match checked.profile {
+    let (judgement, gate, seen) = match checked.profile {
         Some(_) => {
             let judgement =
                 refinement::judge_under_profile(checked, &images, &checked.conditions(case));
-            (judgement, &Deterministic, images.first())
+            (judgement, Gate::Deterministic, images.first())
         }
         None => (
             refinement::judge(checked, &images),
-            &Refinement,
+            Gate::Refinement,
             images.last(),
         ),
     };
@@ -303,7 +301,12 @@ fn is_noisy(case: &Case, checked: &CheckedGolden, picture: &Picture) -> bool {
         && golden.is_comparable(test);
     let agrees = || {
         let golden = Picture::Radiance(golden.clone());
-        let judged = judge(&Deterministic, &golden, picture, &checked.conditions(case));
+        let judged = judge(
+            Gate::Deterministic,
+            &golden,
+            picture,
+            &checked.conditions(case),
+        );
         judged.is_ok_and(|judged| judged.passed)
     };
     may_be && !agrees() && is_off_by_noise(golden, test)
@@ -337,7 +340,7 @@ fn agrees(case: &Case, checked: &CheckedGolden, film: &Film) -> bool {
 
 fn judged(
     case: &Case,
-    gate: &'static dyn ImageGate,
+    gate: Gate,
     checked: &CheckedGolden,
     golden: &Picture,
     picture: &Picture,
@@ -350,7 +353,7 @@ fn judged(
     };
     let stops = ["stops", "stop"][usize::from(case.exposure.abs() == 1.0)];
     let exposure = format!("; exposure of the case: {} {stops}", case.exposure);
-    let exposure = gate.depends_on_exposure().then_some(exposure);
+    let exposure = (gate == Gate::Perceptual).then_some(exposure);
     with_words(case, checked, judgement, picture, exposure)
 }
 

@@ -7,7 +7,7 @@ use super::convention_search::attempt::{LATTICE, MOST_OUTSIDE, Residual};
 use super::convention_search::images::Images;
 use super::likeness::{Stage, lattice_of, pixels_of};
 use crate::compare::unexplained::makes_what_shows;
-use crate::compare::{Conditions, Deterministic, Picture, judge};
+use crate::compare::{Conditions, Gate, Picture, judge};
 use crate::conventions::{Profile, bounds, scenes_by_chance};
 use crate::film::{Film, Origin, Quantisation};
 use crate::judging::nothing_drawn::background;
@@ -101,7 +101,7 @@ fn are_alike(first: &Judged, second: &Judged) -> bool {
     let [Some(first), Some(second)] = [first, second].map(right) else {
         return false;
     };
-    let judgement = judge(&Deterministic, &first, &second, &Conditions::default());
+    let judgement = judge(Gate::Deterministic, &first, &second, &Conditions::default());
     judgement.is_ok_and(|judgement| judgement.passed)
 }
 

@@ -6,7 +6,7 @@ use exr::prelude::{
     Layer, LayerAttributes, LineOrder, Text, Vec2, WritableImage, f16,
 };
 use std::io::Cursor;
-use volref::compare::{Conditions, Deterministic, Picture, judge};
+use volref::compare::{Conditions, Gate, Picture, judge};
 use volref::film::{Film, Overflow};
 
 type ExrImage = Image<Layer<AnyChannels<FlatSamples>>>;
@@ -296,7 +296,7 @@ fn infinity_says_where_it_comes_from() {
             vec![[1.0; 3]; film.radiance().len()],
         );
         let [golden, test] = [golden, film].map(Picture::Radiance);
-        let reason = judge(&Deterministic, &golden, &test, &Conditions::default());
+        let reason = judge(Gate::Deterministic, &golden, &test, &Conditions::default());
         let reason = reason.unwrap().reason;
         reason.split_once("]; ").unwrap().1.to_owned() + "\n"
     })

@@ -3,7 +3,7 @@
 use crate::common;
 use proptest::prelude::*;
 use std::path::{Path, PathBuf};
-use volref::compare::{Conditions, Deterministic, Picture, judge};
+use volref::compare::{Conditions, Gate, Picture, judge};
 use volref::film::{Film, FilmError, FilmFormat};
 use volref::suite::{Found, OutputError, Outputs};
 
@@ -375,7 +375,7 @@ fn lists_of_pixels() {
         let header = format!("{{'descr': '<f4', 'fortran_order': False, 'shape': {shape}}}");
         let film = Film::from_npy(&npy(&header, &vec![0; 4 * length])).unwrap();
         let [golden, test] = [Film::new(8, 6, vec![[0.0; 3]; 48]), film].map(Picture::Radiance);
-        let reason = judge(&Deterministic, &golden, &test, &Conditions::default());
+        let reason = judge(Gate::Deterministic, &golden, &test, &Conditions::default());
         assert_eq!(reason.unwrap().reason.ends_with(hint), is_said, "{shape}");
     }
 }

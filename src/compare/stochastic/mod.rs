@@ -139,12 +139,10 @@ pub(crate) use map::{block_error, block_map};
 pub(crate) use unstated::is_off_by_noise;
 
 use super::advice::Undecided;
-use super::difference_scale::DifferenceScale;
-use super::gate::{Gate, MEAN_DIFFERENCES, Metric, metrics};
-use super::image_gate::{Conditions, ImageGate};
+use super::gate::{Conditions, Description, Gate, MEAN_DIFFERENCES, metrics};
 use super::incomparable;
 use super::judgement::Judgement;
-use super::picture::{Picture, PictureError};
+use super::picture::PictureError;
 use super::precision::CUT_OFF;
 use super::promise::Promise;
 use super::sensitivity::{Sensitivity, with_error};
@@ -156,9 +154,10 @@ use black_lines::judge_black_lines;
 use blocks::{Block, Channel};
 use comparison::Comparison;
 use cut_off::WithinCodes;
+use hits::Hits;
 use neighbours::judge_neighbours;
 use numbers::judge_numbers;
-use pixels::{PixelDifferences, judge_one_variance};
+use pixels::{PixelDifferences, judge_black, judge_one_variance, judge_repeated};
 use resolution::Limits;
 use scales::judge_scales;
 use visible_bias::VisibleBias;
@@ -173,93 +172,40 @@ const SHARES: f64 = 10.0;
 /// Value printed for an infinite deviation: numbers of a judgement are finite.
 const BOUNDLESS: f64 = 1e9;
 
-/// Means of random samples, by the noise they state.
-#[derive(Clone, Copy, Debug)]
-pub struct Stochastic;
-
-impl Gate for Stochastic {
-    fn name(&self) -> &'static str {
-        "stochastic"
-    }
-
-    fn rule(&self) -> &'static str {
-        "The pixels are means of random samples, so differences are measured in standard errors. \
+pub(super) const DESCRIPTION: Description = Description {
+    name: "stochastic",
+    rule: "The pixels are means of random samples, so differences are measured in standard errors. \
         Noise alone nearly always stays below 3 standard errors; the limits are set so that a \
-        correct renderer raises a false alarm once in a million suites."
-    }
-
-    fn metrics(&self) -> &'static [Metric] {
-        &METRICS
-    }
-
-    fn difference_scale(&self, golden: &Film, test: &Film) -> DifferenceScale {
-        match block_map(golden, test) {
-            Some(map) => DifferenceScale::StandardErrors(map),
-            None => DifferenceScale::Radiance,
-        }
-    }
-}
-
-impl ImageGate for Stochastic {
-    fn judge(
-        &self,
-        reference: &Picture,
-        test: &Picture,
-        conditions: &Conditions<'_>,
-    ) -> Result<Judgement, PictureError> {
-        let [reference, test] = [reference, test].map(|picture| picture.radiance_for(self));
-        let level = FALSE_ALARM / conditions.cases.max(1) as f64;
-        judge_with(
-            reference?,
-            test?,
-            level,
-            conditions.promise,
-            conditions.sensitivities,
-        )
-    }
-
-    fn default_for(&self) -> Option<&'static str> {
-        Some("two linear images if at least one includes its variance")
-    }
-
-    fn default_reason(&self, reference: &Picture, test: &Picture) -> Option<&'static str> {
-        let has_noise = |picture: &Picture| Some(picture.radiance()?.noise().is_some());
-        match (has_noise(reference)?, has_noise(test)?) {
-            (true, true) => Some(", since both images include their variance"),
-            (true, false) => Some(", since the reference includes its variance"),
-            (false, true) => Some(", since the test image includes its variance"),
-            (false, false) => None,
-        }
-    }
-}
-
-const METRICS: [Metric; 26] = metrics! {
-    "blocks" => "Number of tests: blocks of 8 × 8 pixels times three channels.";
-    "rejected_blocks" => "Blocks and channels that differ beyond noise; 0 passes.";
-    "worst_block_z" => "Test minus golden of the worst block, in standard errors: above 0 it is too bright.";
-    "worst_block_column" => "First column of the worst block.";
-    "worst_block_row" => "First row of the worst block.";
-    MEAN_DIFFERENCES[0];
-    MEAN_DIFFERENCES[1];
-    MEAN_DIFFERENCES[2];
-    "mean_z_red" => "Mean of red over the image, test minus golden, in standard errors.";
-    "mean_z_green" => "Mean of green over the image, test minus golden, in standard errors.";
-    "mean_z_blue" => "Mean of blue over the image, test minus golden, in standard errors.";
-    "scores" => "Parameters of the scene that were tested: does an error in them look like the difference?";
-    "largest_score" => "How much the difference looks like the change that an error of one of these parameters makes, in standard errors: above 0 as if it were larger.";
-    "smallest_visible_bias" => "Detectable bias of the mean, as a share of the brightness of the image: a larger one is rejected.";
-    "smallest_visible_block_bias" => "Detectable bias within single blocks (90th percentile), as a share of the brightness of the block: a larger one is rejected.";
-    "times_the_samples_that_would_decide" => "How many times more samples per pixel would make the required bias detectable.";
-    "samples_that_would_decide" => "Samples per pixel, summed over all renderings, at which it becomes detectable.";
-    "far_pixels" => "Single pixels off by more than 5 standard errors, in the channel with most; many mean fireflies, or differences that cancel within blocks.";
-    "contrary_pixels" => "Pixels and channels that differ although neither image has any noise there.";
-    "black_pixels" => "Pixels that are exactly 0 although the golden is not; samples that are all 0 by chance make some, in images of few samples.";
-    "amount_of_noise" => "Squared differences relative to the variance given in the images: 1 is expected, far below 1 means smoothing or shared random numbers, far above 1 a difference beyond noise.";
-    "noise_over_that_stated" => "Squared differences relative to the variance of the one image that includes it: 1 or more is expected.";
-    "chi_square_probability" => "Probability of at least this much deviation from noise alone; near 0 means a real difference.";
-    "copied_pixels" => "Noisy pixels that are bit-identical to the golden; independent renderings share none.";
-    "correlation_across" => "Correlation of the differences of horizontally adjacent pixels: 0 is expected; above 0.05 whole regions are off, or the image was filtered or denoised, or its pixels share random numbers.";
-    "correlation_down" => "The same for vertically adjacent pixels.";
+        correct renderer raises a false alarm once in a million suites.",
+    metrics: &metrics! {
+        "blocks" => "Number of tests: blocks of 8 × 8 pixels times three channels.";
+        "rejected_blocks" => "Blocks and channels that differ beyond noise; 0 passes.";
+        "worst_block_z" => "Test minus golden of the worst block, in standard errors: above 0 it is too bright.";
+        "worst_block_column" => "First column of the worst block.";
+        "worst_block_row" => "First row of the worst block.";
+        MEAN_DIFFERENCES[0];
+        MEAN_DIFFERENCES[1];
+        MEAN_DIFFERENCES[2];
+        "mean_z_red" => "Mean of red over the image, test minus golden, in standard errors.";
+        "mean_z_green" => "Mean of green over the image, test minus golden, in standard errors.";
+        "mean_z_blue" => "Mean of blue over the image, test minus golden, in standard errors.";
+        "scores" => "Parameters of the scene that were tested: does an error in them look like the difference?";
+        "largest_score" => "How much the difference looks like the change that an error of one of these parameters makes, in standard errors: above 0 as if it were larger.";
+        "smallest_visible_bias" => "Detectable bias of the mean, as a share of the brightness of the image: a larger one is rejected.";
+        "smallest_visible_block_bias" => "Detectable bias within single blocks (90th percentile), as a share of the brightness of the block: a larger one is rejected.";
+        "times_the_samples_that_would_decide" => "How many times more samples per pixel would make the required bias detectable.";
+        "samples_that_would_decide" => "Samples per pixel, summed over all renderings, at which it becomes detectable.";
+        "far_pixels" => "Single pixels off by more than 5 standard errors, in the channel with most; many mean fireflies, or differences that cancel within blocks.";
+        "contrary_pixels" => "Pixels and channels that differ although neither image has any noise there.";
+        "black_pixels" => "Pixels that are exactly 0 although the golden is not; samples that are all 0 by chance make some, in images of few samples.";
+        "amount_of_noise" => "Squared differences relative to the variance given in the images: 1 is expected, far below 1 means smoothing or shared random numbers, far above 1 a difference beyond noise.";
+        "noise_over_that_stated" => "Squared differences relative to the variance of the one image that includes it: 1 or more is expected.";
+        "chi_square_probability" => "Probability of at least this much deviation from noise alone; near 0 means a real difference.";
+        "copied_pixels" => "Noisy pixels that are bit-identical to the golden; independent renderings share none.";
+        "correlation_across" => "Correlation of the differences of horizontally adjacent pixels: 0 is expected; above 0.05 whole regions are off, or the image was filtered or denoised, or its pixels share random numbers.";
+        "correlation_down" => "The same for vertically adjacent pixels.";
+    },
+    default_for: Some("two linear images if at least one includes its variance"),
 };
 
 /// Judges `test` by `reference`, one of `cases` comparisons that raise a false alarm with
@@ -283,6 +229,22 @@ pub fn judge_scores(
     judge_with(reference, test, level, None, sensitivities)
 }
 
+/// [`judge`] under these conditions.
+pub(super) fn judge_under(
+    reference: &Film,
+    test: &Film,
+    conditions: &Conditions<'_>,
+) -> Result<Judgement, PictureError> {
+    let level = FALSE_ALARM / conditions.cases.max(1) as f64;
+    judge_with(
+        reference,
+        test,
+        level,
+        conditions.promise,
+        conditions.sensitivities,
+    )
+}
+
 fn judge_with(
     reference: &Film,
     test: &Film,
@@ -293,7 +255,7 @@ fn judge_with(
     if reference.noise().is_none() && test.noise().is_none() {
         return Err(PictureError::NeedsNoise);
     }
-    if let Some(different) = incomparable::films(&Stochastic, reference, test) {
+    if let Some(different) = incomparable::films(Gate::Stochastic, reference, test) {
         return Ok(different);
     }
     let share = level / SHARES;
@@ -340,14 +302,16 @@ fn judgement(
     let numbers = judge_numbers(comparison, sensitivities, level, deviations, &mut metrics);
     faults.extend(numbers.fault);
     let pixels = PixelDifferences::new(comparison);
+    let hits = Hits::of(comparison.films);
     if let [Some(a), Some(b)] = comparison.numbers() {
         faults.extend(pixels.judge_far(level, &mut metrics));
         faults.extend(pixels.judge_contrary([a, b], level, &mut metrics));
-        faults.extend(pixels.judge_black(level, &mut metrics));
+        faults.extend(judge_black(comparison, &hits, level, &mut metrics));
     }
     faults.extend(judge_black_lines(comparison, level));
     faults.extend(judge_one_variance(comparison));
     let copied = pixels.judge_copied(level, &mut metrics);
+    let copied = judge_repeated(comparison, &hits, 0.5 * level).or(copied);
     // A copy has too little noise, which goes without saying.
     let amount = judge_amount(comparison, level, &mut metrics).filter(|_| copied.is_none());
     faults.extend(copied);
@@ -394,7 +358,7 @@ fn judgement(
         undecided,
         changes: numbers.changes,
         detectable: numbers.detectable,
-        ..Judgement::new(&Stochastic, passed, reason, &metrics)
+        ..Judgement::new(Gate::Stochastic, passed, reason, &metrics)
     }
 }
 
