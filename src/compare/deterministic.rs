@@ -146,7 +146,7 @@ pub(super) fn judge(reference: &Film, test: &Film, conditions: &Conditions<'_>) 
         .or_else(|| opacity.as_ref()?.of_mean(tolerance_of_mean));
     let mut metrics = colours.metrics(black.len());
     if let Some(found) = opacity {
-        metrics.push((OUTLIERS_OF_OPACITY.0, found.outside as f64));
+        metrics.push((OUTLIERS_OF_OPACITY.0, found.pixels.outside as f64));
         metrics.push(("mean_difference_opacity", found.mean));
     }
     let passed = fault.is_none();
@@ -170,20 +170,53 @@ fn of_black_pixels(black: &[usize], width: usize) -> Option<String> {
     ))
 }
 
+/// Pixels of an image by how far each is off, in what it may be off by.
+#[derive(Default)]
+pub(super) struct Outliers {
+    /// Number of all pixels.
+    pub count: usize,
+    /// Number of pixels that are off by more than they may be.
+    pub outside: usize,
+    /// Number of pixels that are off by more than twice that.
+    pub far: usize,
+    /// Index of the worst pixel, and how far it is off.
+    pub worst: (usize, f64),
+}
+
+impl Outliers {
+    /// By how far each pixel is off, row by row.
+    pub fn of(excesses: impl Iterator<Item = f64>) -> Outliers {
+        let mut outliers = Outliers::default();
+        for (index, excess) in excesses.enumerate() {
+            outliers.count += 1;
+            outliers.outside += usize::from(excess > 1.0);
+            outliers.far += usize::from(excess > 2.0);
+            if excess > outliers.worst.1 {
+                outliers.worst = (index, excess);
+            }
+        }
+        outliers
+    }
+
+    /// Share of the pixels that are off by more than they may be.
+    pub fn share(&self) -> f64 {
+        self.outside as f64 / self.count as f64
+    }
+
+    /// Share of the pixels that are off by more than twice that.
+    pub fn far_share(&self) -> f64 {
+        self.far as f64 / self.count as f64
+    }
+}
+
 /// Differences of the colours of two films.
 struct ColourDifference {
-    /// Number of all pixels.
-    count: usize,
-    /// Number of pixels that are off by more than a tolerance.
-    outside: usize,
-    /// Number of pixels that are off by more than two.
-    far: usize,
+    /// In tolerances.
+    pixels: Outliers,
     /// Largest difference of a channel, in radiance.
     largest: f64,
     /// Column and row of the worst pixel.
     worst_at: [usize; 2],
-    /// Difference of that pixel in tolerances.
-    worst: f64,
     /// Mean of the golden, by channel.
     means: [f64; 3],
     /// Mean of test minus golden, by channel.
@@ -192,43 +225,31 @@ struct ColourDifference {
 
 impl ColourDifference {
     fn between(golden: &Film, test: &Film) -> ColourDifference {
-        let count = golden.radiance().len();
-        let (mut outside, mut far, mut largest, mut worst) = (0, 0, 0.0_f64, (0, 0.0_f64));
-        let mut sums = [Sum::default(); 3];
-        let mut differences = [Sum::default(); 3];
-        for (index, (golden, test)) in golden.radiance().iter().zip(test.radiance()).enumerate() {
-            let excess = in_tolerances(*golden, *test);
-            for c in 0..3 {
-                let (golden, test) = (f64::from(golden[c]), f64::from(test[c]));
-                let difference = test - golden;
-                largest = largest.max(difference.abs());
-                sums[c].add(golden);
-                differences[c].add(difference);
-            }
-            outside += usize::from(excess > 1.0);
-            far += usize::from(excess > 2.0);
-            if excess > worst.1 {
-                worst = (index, excess);
-            }
-        }
-        let mean = |sum: Sum| sum.value() / count as f64;
+        let pairs = || golden.radiance().iter().zip(test.radiance());
+        let pixels = Outliers::of(pairs().map(|(golden, test)| in_tolerances(*golden, *test)));
+        let mean = |of: fn(f64, f64) -> f64| -> [f64; 3] {
+            std::array::from_fn(|c| {
+                let sum: Sum = pairs().map(|(a, b)| of(a[c].into(), b[c].into())).collect();
+                sum.value() / pixels.count as f64
+            })
+        };
+        let differences =
+            pairs().flat_map(|(a, b)| [0, 1, 2].map(|c| (f64::from(b[c]) - f64::from(a[c])).abs()));
+        let (worst, width) = (pixels.worst.0, golden.width());
         ColourDifference {
-            count,
-            outside,
-            far,
-            largest,
-            worst_at: [worst.0 % golden.width(), worst.0 / golden.width()],
-            worst: worst.1,
-            means: sums.map(mean),
-            bias: differences.map(mean),
+            largest: differences.fold(0.0, f64::max),
+            worst_at: [worst % width, worst / width],
+            means: mean(|golden, _| golden),
+            bias: mean(|golden, test| test - golden),
+            pixels,
         }
     }
 
     /// Sentence on the pixels, if too many or one of them are off by more than is `allowed`.
     fn of_pixels(&self, allowed: &str, outliers: f64, cap: f64) -> Option<String> {
-        let (outside, count) = (self.outside, self.count);
-        let share = self.share();
-        let ([column, row], worst) = (self.worst_at, self.worst);
+        let Outliers { outside, count, .. } = self.pixels;
+        let share = self.pixels.share();
+        let ([column, row], worst) = (self.worst_at, self.pixels.worst.1);
         if share > outliers {
             Some(format!(
                 "{outside} of {count} pixels ({:.3} %) differ by more than {allowed}; at most {:.2} % \
@@ -250,7 +271,7 @@ impl ColourDifference {
     fn of_means(&self) -> Option<String> {
         let excess = |c: &usize| (self.bias[*c] / tolerance_of_mean(self.means[*c])).abs();
         let channel = (0..3).max_by(|a, b| excess(a).total_cmp(&excess(b)))?;
-        let pixels = match self.outside {
+        let pixels = match self.pixels.outside {
             0 => "every pixel is".to_owned(),
             1 => "all pixels but one are".to_owned(),
             several => format!("all pixels but {several} are"),
@@ -270,22 +291,17 @@ impl ColourDifference {
     fn in_words(&self, allowed: &str) -> String {
         format!(
             "{} of {} pixels differ by more than {allowed}; the largest difference is {:.3e}",
-            self.outside, self.count, self.largest
+            self.pixels.outside, self.pixels.count, self.largest
         )
-    }
-
-    /// Share of the pixels that are off by more than a tolerance.
-    fn share(&self) -> f64 {
-        self.outside as f64 / self.count as f64
     }
 
     fn metrics(&self, lost: usize) -> Vec<(&'static str, f64)> {
         vec![
-            ("outlier_pixels", self.outside as f64),
-            ("outlier_share", self.share()),
-            (FAR_SHARE.0, self.far as f64 / self.count as f64),
+            ("outlier_pixels", self.pixels.outside as f64),
+            ("outlier_share", self.pixels.share()),
+            (FAR_SHARE.0, self.pixels.far_share()),
             ("max_abs_error", self.largest),
-            ("worst_in_tolerances", self.worst),
+            ("worst_in_tolerances", self.pixels.worst.1),
             ("worst_column", self.worst_at[0] as f64),
             ("worst_row", self.worst_at[1] as f64),
             ("lost_pixels", lost as f64),

@@ -23,7 +23,7 @@
 
 use super::advice::Undecided;
 use super::around;
-use super::deterministic::{BIAS, FAR_SHARE, OUTLIERS, in_tolerances, tolerance};
+use super::deterministic::{BIAS, FAR_SHARE, OUTLIERS, Outliers, in_tolerances, tolerance};
 use super::gate::{Description, Gate, MEAN_DIFFERENCES, metrics};
 use super::incomparable;
 use super::judgement::Judgement;
@@ -245,8 +245,7 @@ fn trend(golden: &Film, images: &[Film]) -> String {
 fn agrees(golden: &Film, image: &Film) -> bool {
     let image = image.nearest_to(golden);
     let pixels = golden.radiance().iter().zip(image.radiance());
-    let outside = pixels.filter(|(golden, test)| in_tolerances(**golden, **test) > 1.0);
-    outside.count() as f64 <= OUTLIERS * golden.radiance().len() as f64
+    Outliers::of(pixels.map(|(golden, test)| in_tolerances(*golden, *test))).share() <= OUTLIERS
 }
 
 /// Raises each error to the other one, if that is larger.
@@ -334,26 +333,25 @@ impl Judged<'_> {
     fn judgement(&self, mut metrics: Vec<(&str, f64)>, steps: &str) -> Judgement {
         let golden = self.golden;
         let behind = behind_last_level(golden);
-        let (mut outside, mut far, mut worst) = (0_usize, 0_usize, (0, 0.0_f64));
         // The nearest image that rounds to a quantised one.
         let nearest = self.image.nearest_to(golden);
         let pixels = golden.radiance().iter().zip(nearest.radiance());
-        for (index, (right, test)) in pixels.enumerate() {
-            let excess = (0..3).fold(0.0_f64, |most, c| {
+        let pixels = Outliers::of(pixels.enumerate().map(|(index, (right, test))| {
+            (0..3).fold(0.0_f64, |most, c| {
                 let (right, test) = (f64::from(right[c]), f64::from(test[c]));
                 let table = self.table.pixels[index][c];
                 let allowed = tolerance(right) + self.step_errors[index][c] + table;
                 let allowed = allowed + behind[index];
                 most.max((test - right).abs() / allowed)
-            });
-            outside += usize::from(excess > 1.0);
-            far += usize::from(excess > 2.0);
-            if excess > worst.1 {
-                worst = (index, excess);
-            }
-        }
-        let count = golden.radiance().len();
-        let share = outside as f64 / count as f64;
+            })
+        }));
+        let Outliers {
+            count,
+            outside,
+            worst,
+            ..
+        } = pixels;
+        let share = pixels.share();
         let [column, row] = [worst.0 % golden.width(), worst.0 / golden.width()];
         let [right, test] = [&self.cut_off(), self.mean_of].map(means);
         let quantisation = self.image.quantisation();
@@ -369,7 +367,7 @@ impl Judged<'_> {
             ("error_allowed", widest),
             ("pixels_off_limit", outside as f64),
             ("share_off_limit", share),
-            (FAR_SHARE.0, far as f64 / count as f64),
+            (FAR_SHARE.0, pixels.far_share()),
             ("worst_off_limit", worst.1),
             ("worst_column", column as f64),
             ("worst_row", row as f64),

@@ -3,7 +3,7 @@
 
 use crate::common::simulated::{Sampling, Shape, edited, sampled, scene, silent};
 use crate::common::suite::{case_of, film_with, searched};
-use volref::compare::stochastic::{judge_at, judge_scores};
+use volref::compare::stochastic::{judge_at, judge_with};
 use volref::compare::{
     Conditions, Detectable, Gate, Picture, Sensitivity, judge, measured as measured_difference,
 };
@@ -316,7 +316,7 @@ fn by_numbers(size: f64, step: f64) -> String {
         [0, 1, 2].map(|c| light[c] + size * change[c])
     });
     let all = [sensitivity("density", step, change)];
-    judge_scores(&golden, &test, 1e-6, &all).unwrap().reason
+    judge_with(&golden, &test, 1e-6, None, &all).unwrap().reason
 }
 
 #[test]

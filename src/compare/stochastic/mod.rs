@@ -132,7 +132,6 @@ mod scores;
 mod unstated;
 mod values;
 mod variance;
-mod visible_bias;
 
 pub use blocks::{BLOCK, DARK};
 pub(crate) use map::{block_error, block_map};
@@ -160,7 +159,6 @@ use numbers::judge_numbers;
 use pixels::{PixelDifferences, judge_black, judge_one_variance, judge_repeated};
 use resolution::Limits;
 use scales::judge_scales;
-use visible_bias::VisibleBias;
 
 /// Probability that any correct case of a suite is rejected.
 pub const FALSE_ALARM: f64 = 1e-6;
@@ -219,16 +217,6 @@ pub fn judge_at(reference: &Film, test: &Film, level: f64) -> Result<Judgement, 
     judge_with(reference, test, level, None, &[])
 }
 
-/// [`judge_at`], where it is known how the reference changes with numbers of its scene.
-pub fn judge_scores(
-    reference: &Film,
-    test: &Film,
-    level: f64,
-    sensitivities: &[Sensitivity],
-) -> Result<Judgement, PictureError> {
-    judge_with(reference, test, level, None, sensitivities)
-}
-
 /// [`judge`] under these conditions.
 pub(super) fn judge_under(
     reference: &Film,
@@ -245,7 +233,9 @@ pub(super) fn judge_under(
     )
 }
 
-fn judge_with(
+/// [`judge_at`] of an image that is to show the promised biases, where it is known how the reference changes with numbers
+/// of its scene.
+pub fn judge_with(
     reference: &Film,
     test: &Film,
     level: f64,
@@ -263,12 +253,16 @@ fn judge_with(
         let comparison = Comparison::new(reference, test, share);
         return Ok(judgement(&comparison, share, promise, sensitivities));
     };
-    let films = [&seen.reference, &seen.test];
-    let comparison = Comparison::without(films, Some(&seen.left_out), share);
-    let mut judgement = judgement(&comparison, share, promise, sensitivities);
-    judgement
-        .metrics
-        .insert(CUT_OFF.0.to_owned(), seen.share_left_out);
+    let comparison = Comparison::new(&seen.reference, &seen.test, share);
+    // Derivatives are those of all pixels of a block.
+    let known = if seen.share_left_out > 0.0 {
+        &[]
+    } else {
+        sensitivities
+    };
+    let mut judgement = judgement(&comparison, share, promise, known);
+    let left_out = (CUT_OFF.0.to_owned(), seen.share_left_out);
+    judgement.metrics.extend([left_out]);
     Ok(judgement)
 }
 
@@ -283,10 +277,9 @@ fn judgement(
 ) -> Judgement {
     let mut metrics = Metrics::new();
     let limits = Limits::new(comparison, level);
-    let resolution = limits.resolution();
-    let mean_resolution = limits.mean_resolution();
-    metrics.push(("smallest_visible_bias", mean_resolution));
-    metrics.push(("smallest_visible_block_bias", resolution));
+    let visible = limits.visible(comparison, true);
+    metrics.push(("smallest_visible_bias", visible[0]));
+    metrics.push(("smallest_visible_block_bias", visible[1]));
 
     // The whole image comes first: much of the rest follows from it.
     let whole = judge_whole(comparison, level, &mut metrics);
@@ -330,22 +323,28 @@ fn judgement(
     let undecided = promise
         .filter(|_| passed)
         .and_then(|promise| limits.undecided(&promise));
-    let visible = VisibleBias {
-        of_mean: mean_resolution,
-        of_blocks: resolution,
-        noise: format!(
-            "largest block deviation {:.1} standard errors; up to {:.1} is expected by chance \
-             among {} blocks × channels",
-            finite(worst.deviation().abs()),
-            limits.of_block(worst.block, worst.channel),
-            comparison.asked(),
-        ),
-    };
+    let noise = format!(
+        "largest block deviation {:.1} standard errors; up to {:.1} is expected by chance among {} blocks × channels",
+        finite(worst.deviation().abs()),
+        limits.of_block(worst.block, worst.channel),
+        comparison.asked(),
+    );
     let reason = match (undecided, promise) {
         (Some((undecided, required)), Some(promise)) => {
-            visible.too_large(&undecided, required, &promise)
+            format!(
+                "{}: {noise}",
+                too_noisy(visible, &undecided, required, &promise)
+            )
         }
-        _ if passed => visible.in_words(numbers.detectable.first()),
+        _ if passed => {
+            let [of_mean, of_blocks] = visible.map(percent);
+            let of_number = numbers.detectable.first();
+            let of_number = of_number.map_or(String::new(), |it| format!("{}, ", it.words));
+            format!(
+                "no difference beyond noise; detectable bias {of_number}{of_mean} for the image mean, {of_blocks} within \
+                 single blocks (90th percentile); {noise}"
+            )
+        }
         _ => faults.join("; "),
     };
     let undecided = undecided.map(|(undecided, _)| undecided);
@@ -360,6 +359,32 @@ fn judgement(
         detectable: numbers.detectable,
         ..Judgement::new(Gate::Stochastic, passed, reason, &metrics)
     }
+}
+
+/// Sentence for two images that agree, and could have hidden a bias of the mean and of blocks that is larger than
+/// `required`.
+fn too_noisy(
+    visible: [f64; 2],
+    advice: &Undecided,
+    required: [f64; 2],
+    promise: &Promise,
+) -> String {
+    let why = if required == [promise.mean, promise.block.unwrap_or(f64::INFINITY)] {
+        ""
+    } else {
+        " (less than usual, for the noise of the reference hides a quarter of it)"
+    };
+    let is_of_blocks = required[1].is_finite();
+    let [[seen, required], [of_blocks, of_block]] =
+        [0, 1].map(|i| [visible[i], required[i]].map(percent));
+    let of_block = match is_of_blocks {
+        true => format!("; of single blocks (90th percentile) {of_blocks}, required {of_block}"),
+        false => String::new(),
+    };
+    format!(
+        "too noisy to decide: detectable bias of the mean {seen}, required {required}{of_block}{why}; {advice}; no \
+         difference beyond noise"
+    )
 }
 
 fn percent(share: f64) -> String {
