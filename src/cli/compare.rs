@@ -11,7 +11,6 @@ use crate::compare::{
     recognised,
 };
 use crate::film::{Bits, Film, FilmFormat};
-use crate::judging::measured::decoded;
 use crate::judging::{CaseResult, Evidence, radiance};
 use crate::naming::Likenesses;
 use crate::report::{self, Page};
@@ -181,10 +180,7 @@ impl Arguments {
     fn evidence(&self, reference: Picture, test: Picture) -> Evidence {
         let fact = |name: &str, path: &Path| (name.to_owned(), path.display().to_string());
         Evidence {
-            golden: Some(match reference {
-                Picture::Radiance(film) => film,
-                Picture::Codes(codes) => decoded(&codes, self.exposure),
-            }),
+            golden: Some(reference.film(self.exposure)),
             test: Some(test),
             exposure: self.exposure,
             provenance: vec![

@@ -4,7 +4,7 @@ use super::flip::SrgbImage;
 use super::gate::Gate;
 use crate::files::regular_file;
 use crate::files::regular_file::ReadError;
-use crate::film::{Film, FilmError, FilmFormat};
+use crate::film::{Bits, Film, FilmError, FilmFormat};
 use std::path::Path;
 use thiserror::Error;
 
@@ -135,6 +135,14 @@ impl Picture {
         match self {
             Picture::Radiance(film) => Some(film),
             Picture::Codes(_) => None,
+        }
+    }
+
+    /// Linear radiance; that for which 8-bit codes stand at `exposure` stops.
+    pub fn film(&self, exposure: f64) -> Film {
+        match self {
+            Picture::Radiance(film) => film.clone(),
+            Picture::Codes(codes) => codes.radiance(Bits::UNKNOWN, exposure),
         }
     }
 

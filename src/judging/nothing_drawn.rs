@@ -3,7 +3,6 @@
 //! Such an image agrees with any other dark one, so that it has no other cause: nothing is measured of it, and nothing
 //! is searched.
 
-use super::measured::decoded;
 use super::precision::known;
 use crate::compare::deterministic::tolerance;
 use crate::compare::flip::SrgbImage;
@@ -46,10 +45,7 @@ pub(crate) fn nothing_drawn(
     golden: &Film,
     picture: &Picture,
 ) -> Option<String> {
-    let film = match picture {
-        Picture::Radiance(film) => film.clone(),
-        Picture::Codes(codes) => decoded(codes, case.exposure),
-    };
+    let film = picture.film(case.exposure);
     let background = background(scene).filter(|background| background.is_comparable(&film))?;
     if !is_opacity_empty(&film) {
         return None;

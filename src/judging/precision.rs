@@ -1,6 +1,5 @@
 //! Images as they are declared: of 8 bits, or without the background of their scene.
 
-use crate::compare::flip::SrgbImage;
 use crate::compare::{Picture, recognised};
 use crate::film::{Alpha, Bits, Encoding, Film, NoCode, Origin, Quantisation};
 use crate::scene::{Model, Scene};
@@ -96,22 +95,13 @@ pub fn radiance(picture: Picture, bits: Bits, exposure: f64) -> Result<Film, NoC
             let quantisation = bits.of_radiance(&film, exposure)?;
             Ok(film.quantised(quantisation))
         }
-        Picture::Codes(codes) => Ok(radiance_of_codes(&codes, bits, exposure)),
+        Picture::Codes(codes) => Ok(codes.radiance(bits, exposure)),
     }
-}
-
-/// The radiance of codes of these bits at `exposure` stops.
-pub(crate) fn radiance_of_codes(codes: &SrgbImage, bits: Bits, exposure: f64) -> Film {
-    let quantisation = bits.of_png(exposure);
-    quantisation.decoded(codes.width(), codes.height(), codes.pixels())
 }
 
 /// The radiance of an image of `case`, with what is known of its precision; of a PNG that of its sRGB codes.
 pub(super) fn known_radiance(case: &Case, golden: &Film, picture: Picture) -> Film {
-    match picture {
-        Picture::Radiance(film) => recognised(golden, film, case.exposure),
-        Picture::Codes(codes) => radiance_of_codes(&codes, Bits::UNKNOWN, case.exposure),
-    }
+    recognised(golden, picture.film(case.exposure), case.exposure)
 }
 
 /// Another way to read an image.
@@ -192,10 +182,7 @@ fn without_background(film: &Film, scene: &Scene) -> Vec<Reading> {
 
 /// The codes of a PNG taken for those of the other curve.
 fn other_encoding(case: &Case, picture: &Picture) -> Option<Reading> {
-    let film = match picture {
-        Picture::Radiance(film) => film.clone(),
-        Picture::Codes(codes) => radiance_of_codes(codes, Bits::UNKNOWN, case.exposure),
-    };
+    let film = picture.film(case.exposure);
     let quantisation = film.quantisation().filter(|it| it.origin == Origin::Png)?;
     let encoding = match quantisation.encoding {
         Encoding::Linear => Encoding::Srgb,

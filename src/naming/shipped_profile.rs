@@ -11,7 +11,7 @@ use crate::compare::{Conditions, Gate, Picture, judge};
 use crate::conventions::{Profile, bounds, scenes_by_chance};
 use crate::film::{Film, Origin, Quantisation};
 use crate::judging::nothing_drawn::background;
-use crate::judging::{Judged, Verdict, radiance_of_codes, validate, within};
+use crate::judging::{Judged, Verdict, validate, within};
 use crate::scene::Scene;
 use crate::suite::{Case, Output, Store};
 
@@ -122,7 +122,7 @@ fn in_precision_of(profile: &Profile, picture: Picture, exposure: f64) -> Option
     let bits = profile.bits?;
     let film = match picture {
         Picture::Radiance(film) => film,
-        Picture::Codes(codes) => radiance_of_codes(&codes, bits, exposure),
+        Picture::Codes(codes) => codes.radiance(bits, exposure),
     };
     let of_codes = |it: Quantisation| it.encoding == bits.encoding.unwrap_or(it.encoding);
     let quantisation = match film.quantisation() {

@@ -309,15 +309,9 @@ fn judgement(
     let amount = judge_amount(comparison, level, &mut metrics).filter(|_| copied.is_none());
     faults.extend(copied);
     faults.extend(amount);
-    let together = judge_neighbours(comparison, level, &mut metrics);
+    let together = judge_neighbours(comparison, level, is_biased, &mut metrics);
     // That neighbours are off together where whole regions are goes without saying, too.
-    if let Some(together) = together.filter(|_| !is_off) {
-        let rejected = worst.probabilities.chunks(3).map(|of_block| {
-            let smallest = of_block.iter().copied().fold(1.0, f64::min);
-            smallest * comparison.asked() as f64 <= level
-        });
-        faults.extend(together.reason(comparison, &rejected.collect::<Vec<_>>(), is_biased));
-    }
+    faults.extend(together.filter(|_| !is_off));
 
     let passed = faults.is_empty();
     let undecided = promise

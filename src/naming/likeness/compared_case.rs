@@ -12,7 +12,7 @@ use crate::compare::unexplained::{
 use crate::compare::{Conditions, Gate, NumberChange, Picture, default_gate, judge, measured};
 use crate::film::{Film, Quantisation};
 use crate::judging::Judged;
-use crate::judging::measured::{SimpleMap, decoded, simple};
+use crate::judging::measured::{SimpleMap, simple};
 use crate::judging::nothing_drawn::background;
 use crate::math;
 use crate::scene::Scene;
@@ -132,9 +132,9 @@ impl ComparedCase {
                 };
                 (film.clone(), kept)
             }
-            Picture::Codes(codes) => {
+            Picture::Codes(_) => {
                 let ceiling = math::exp2(-case.exposure);
-                (decoded(codes, case.exposure), KeptValues::UpTo(ceiling))
+                (picture.film(case.exposure), KeptValues::UpTo(ceiling))
             }
         };
         if !golden.is_comparable(&test) {
