@@ -574,7 +574,7 @@ fn files_that_contradict_each_other() {
     fog/forward: there is a replicate fog/forward.2.exr but none with the number 1: number them without a gap from 0 or 1
     fog/forward: there is a replicate fog/forward.2.exr but none with the number 1: number them without a gap from 0 or 1
     fog/forward: fog/forward.variance.exr is the variance of one image, and there is none
-    fog/forward: forward.variance.exr is the variance of one image, and there are several, whose spread says it already
+    fog/forward: forward.variance.exr is the variance of one image, and there are several
     "#);
     let nowhere = Outputs::list(Path::new("no such folder"), &CASES);
     assert!(matches!(nowhere, Err(OutputError::Folder { .. })));
