@@ -87,23 +87,18 @@ fn not_finite(gate: Gate, name: &str, film: &Film) -> Option<Judgement> {
 
 /// Likely origins of NaN and of infinity, of those that `broken` pixels of `film` have.
 fn origins(film: &Film, broken: &[usize]) -> String {
-    if film.is_swapped() {
-        return "its byte order is likely wrong".to_owned();
-    }
     let any = |is: fn(f32) -> bool| {
         broken
             .iter()
             .any(|&index| film.pixel(index).into_iter().any(is))
     };
-    let infinity = match film.overflow() {
-        Some(overflow) => overflow.to_string(),
-        None => "look for a division by 0, such as by a distance or a probability".to_owned(),
-    };
-    let of_nan = "look for a division 0/0, such as a vector of length 0 that is normalised";
+    let infinity = "look for a division by 0, such as by a distance or a probability, or a value beyond the range of \
+                    the numbers in the file: half floats end at 65504";
+    let nan = "look for a division 0/0, such as a vector of length 0 that is normalised";
     match (any(f32::is_nan), any(f32::is_infinite)) {
-        (true, true) => format!("NaN: {of_nan}; infinity: {infinity}"),
-        (true, false) => of_nan.to_owned(),
-        (false, _) => infinity,
+        (true, true) => format!("NaN: {nan}; infinity: {infinity}"),
+        (true, false) => nan.to_owned(),
+        (false, _) => infinity.to_owned(),
     }
 }
 
