@@ -4,7 +4,7 @@ use super::decide::cases_at;
 use super::depth::{self, DepthComparison};
 use super::finding::{CheckedGolden, MOST_CASES};
 use super::measured::{SimpleMap, codes_in_words, is_of_png, simple};
-use super::nothing_drawn::{is_emptied, nothing_drawn};
+use super::nothing_drawn::nothing_drawn;
 use super::precision::{before_background, known, known_radiance, other_readings};
 use super::{CaseResult, Cause, Evidence, Judged, Verdict, random_samples, refinement};
 use crate::compare::depth::OUTLIERS_OF_DEPTH;
@@ -42,7 +42,7 @@ pub(crate) fn validate_at(
     let checked = checked.map(|checked| CheckedGolden { cases, ..checked });
     let has_image = matches!(output, Output::Picture(_) | Output::Refined(_));
     let checked = checked.and_then(|checked| match profile {
-        Some(profile) if has_image => under(profile, case, checked, &output),
+        Some(profile) if has_image => checked.under(profile),
         _ => Ok(checked),
     });
     let mut judged = match (output, checked) {
@@ -66,33 +66,6 @@ pub(crate) fn validate_at(
     };
     judged.result.seconds = start.elapsed().as_secs_f64();
     judged
-}
-
-/// `checked` under `profile`; refused where that leaves nothing of the scene to see, so that an empty `output` would pass.
-fn under(
-    profile: &Profile,
-    case: &Case,
-    checked: CheckedGolden,
-    output: &Output,
-) -> Result<CheckedGolden, CaseResult> {
-    let golden = checked.golden.film.clone();
-    let checked = checked.under(profile)?;
-    let picture = match output {
-        Output::Picture(picture) => Some(&**picture),
-        Output::Refined(images) => images.first(),
-        _ => None,
-    };
-    let films = [&golden, &checked.golden.film];
-    let is_empty = |picture| is_emptied(case, &checked.scene, films, picture);
-    if !picture.is_some_and(is_empty) {
-        return Ok(checked);
-    }
-    let reason = format!(
-        "the profile {} leaves nothing of this scene to see: an image of the background alone would pass; correct the \
-         profile, or leave out the case",
-        profile.name
-    );
-    Err(CaseResult::new(Verdict::Error, Cause::BadInput, reason))
 }
 
 /// Says of `judged`, an image of which colours are declared to be `alpha`, how they have to be declared to agree, if it is
