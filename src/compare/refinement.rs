@@ -211,24 +211,18 @@ fn step_errors(
 fn trend(golden: &Film, images: &[Film]) -> String {
     let brightness = |film: &Film| means(film).iter().sum::<f64>();
     let right = brightness(golden).max(f64::MIN_POSITIVE);
-    let brightness: Vec<f64> = images.iter().map(brightness).collect();
-    let changes: Vec<f64> = brightness
-        .windows(2)
-        .map(|pair| (pair[1] - pair[0]) / right)
-        .collect();
-    let all = |is: fn(f64) -> bool| changes.iter().copied().all(is);
+    let change = |pair: &[Film]| (brightness(&pair[1]) - brightness(&pair[0])) / right;
+    let changes: Vec<f64> = images.windows(2).map(change).collect();
     // The means of rules that converge change by half as much with each halving, or less.
-    let grows = changes
-        .windows(2)
-        .all(|pair| pair[1].abs() > 0.5 * pair[0].abs());
-    let direction = match (all(|change| change < 0.0), all(|change| change > 0.0)) {
-        (true, _) if grows => "darker",
-        (_, true) if grows => "brighter",
-        _ => {
-            return "no direction is in their changes: are samples at random places, or values \
-                    rounded to few levels?"
-                .to_owned();
-        }
+    let goes_on = |pair: &[f64]| pair[1] / pair[0] > 0.5;
+    if !changes.windows(2).all(goes_on) {
+        return "no direction is in their changes: are samples at random places, or values rounded to few levels?"
+            .to_owned();
+    }
+    let direction = if changes[0] < 0.0 {
+        "darker"
+    } else {
+        "brighter"
     };
     let sizes: Vec<String> = changes
         .iter()

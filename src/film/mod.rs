@@ -28,7 +28,7 @@ pub use layered_file::LayeredFilm;
 pub use noise::Noise;
 use noise::is_sound;
 pub(crate) use npy_file::{NpyHeader, npy_header};
-pub use quantisation::{Bits, Encoding, NoCode, Origin, Quantisation};
+pub use quantisation::{Bits, Encoding, Origin, Quantisation};
 
 /// Names of the channels of a pixel.
 pub const CHANNELS: [&str; 3] = ["red", "green", "blue"];

@@ -34,7 +34,6 @@ pub use more_samples::is_open;
 pub(crate) use precision::before_background;
 pub use precision::{declared, radiance};
 pub(crate) use random_samples::within;
-pub(crate) use results::Summary;
 pub use results::{CaseResult, Cause, Verdict, metric_meaning};
 pub(crate) use self_test::{
     CaseTrials, MistakeTrials, SelfTest, SelfTestCases, SelfTestExtent, Step, Trial, case_trials,

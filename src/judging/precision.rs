@@ -1,7 +1,7 @@
 //! Images as they are declared: of 8 bits, or without the background of their scene.
 
 use crate::compare::{Picture, recognised};
-use crate::film::{Alpha, Bits, Encoding, Film, NoCode, Origin, Quantisation};
+use crate::film::{Alpha, Bits, Encoding, Film, Origin, Quantisation};
 use crate::scene::{Model, Scene};
 use crate::suite::{Case, Output};
 
@@ -14,7 +14,7 @@ pub fn declared(output: Output, bits: Option<Bits>, case: &Case) -> Output {
     let declared = match output {
         Output::Picture(picture) => of(*picture).map(|picture| Output::Picture(Box::new(picture))),
         Output::Refined(pictures) => {
-            let pictures: Result<_, NoCode> = pictures.into_iter().map(of).collect();
+            let pictures: Result<_, String> = pictures.into_iter().map(of).collect();
             pictures.map(Output::Refined)
         }
         other => Ok(other),
@@ -88,7 +88,7 @@ fn backgrounds(scene: &Scene) -> Vec<[f64; 3]> {
 /// # Errors
 ///
 /// If a value is no code of these bits.
-pub fn radiance(picture: Picture, bits: Bits, exposure: f64) -> Result<Film, NoCode> {
+pub fn radiance(picture: Picture, bits: Bits, exposure: f64) -> Result<Film, String> {
     match picture {
         Picture::Radiance(film) if film.quantisation().is_some() => Ok(film),
         Picture::Radiance(film) => {

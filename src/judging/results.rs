@@ -31,18 +31,25 @@ pub enum Verdict {
 }
 
 impl Verdict {
+    /// All of them, with the word used in JSON and on the terminal, and the one after a number of cases.
+    pub(crate) const ALL: [(Verdict, &str, &str); 6] = [
+        (Verdict::Pass, "pass", "passed"),
+        (Verdict::Fail, "fail", "failed"),
+        (Verdict::Convention, "convention", "by convention"),
+        (Verdict::Inconclusive, "inconclusive", "inconclusive"),
+        (Verdict::Missing, "missing", "missing"),
+        (Verdict::Error, "error", "errors"),
+    ];
+
     /// The word used in JSON and on the terminal.
     pub fn name(self) -> &'static str {
-        // In the order of the variants.
-        const NAMES: [&str; 6] = [
-            "pass",
-            "fail",
-            "convention",
-            "inconclusive",
-            "missing",
-            "error",
-        ];
-        NAMES[self as usize]
+        Verdict::ALL[self as usize].1
+    }
+
+    /// The number of `results` with this verdict.
+    pub(crate) fn count(self, results: &[CaseResult]) -> usize {
+        let such = results.iter().filter(|result| result.verdict == self);
+        such.count()
     }
 }
 
@@ -172,54 +179,6 @@ impl CaseResult {
             Some(known) if known.is_outdated() => self.cause.max(Cause::Mismatch),
             _ => self.cause,
         }
-    }
-}
-
-/// Number of cases by verdict.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
-pub(crate) struct Summary {
-    /// Compared, and right.
-    pub pass: usize,
-    /// Compared, and wrong.
-    pub fail: usize,
-    /// Compared, and right under other conventions.
-    pub convention: usize,
-    /// Compared, and not decided.
-    pub inconclusive: usize,
-    /// Nothing to compare with.
-    pub missing: usize,
-    /// Could not be compared.
-    pub error: usize,
-}
-
-impl Summary {
-    /// Counts the verdicts of `results`.
-    pub fn of(results: &[CaseResult]) -> Summary {
-        let count = |verdict| {
-            let such = results.iter().filter(|result| result.verdict == verdict);
-            such.count()
-        };
-        Summary {
-            pass: count(Verdict::Pass),
-            fail: count(Verdict::Fail),
-            convention: count(Verdict::Convention),
-            inconclusive: count(Verdict::Inconclusive),
-            missing: count(Verdict::Missing),
-            error: count(Verdict::Error),
-        }
-    }
-
-    /// The counts with their words.
-    pub fn in_words(&self) -> [(usize, &'static str); 6] {
-        let errors = if self.error == 1 { "error" } else { "errors" };
-        [
-            (self.pass, "passed"),
-            (self.fail, "failed"),
-            (self.convention, "by convention"),
-            (self.inconclusive, "inconclusive"),
-            (self.missing, "missing"),
-            (self.error, errors),
-        ]
     }
 }
 
