@@ -6,7 +6,7 @@ use super::page::ReportPage;
 use super::partition::PartitionArgument;
 use super::suite::Selection;
 use super::{Outcome, progress};
-use crate::compare::{Exact, Picture};
+use crate::compare::{Gate, Picture};
 use crate::film::Film;
 use crate::judging::{CaseResult, Cause, Evidence, Verdict};
 use crate::naming::Likenesses;
@@ -186,7 +186,7 @@ impl Arguments {
     ) -> (CaseResult, Evidence) {
         let reason = format!("{word}: {detail}");
         let finding = CaseResult::new(Verdict::Pass, Cause::None, reason);
-        let mut result = finding.of_case(&case.name, case.class(), &Exact);
+        let mut result = finding.of_case(&case.name, case.class(), Gate::Exact);
         let note = "the golden shown is the one before this accept; the test image is the one accepted now";
         result.notes.push(note.to_owned());
         let evidence = Evidence {

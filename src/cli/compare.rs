@@ -7,11 +7,10 @@ use super::output::{self, Json};
 use super::page::ReportPage;
 use crate::compare::flip::{DEFAULT_PIXELS_PER_DEGREE, flip, magma};
 use crate::compare::{
-    Conditions, Exact, GATES, Gate, ImageGate, Picture, Promise, default_gate, gate_named, judge,
-    precision_in_words, recognised,
+    Conditions, GATES, Gate, Picture, Promise, default_gate, gate_named, judge, precision_in_words,
+    recognised,
 };
 use crate::film::{Bits, Film, FilmFormat};
-use crate::judging::measured::decoded;
 use crate::judging::{CaseResult, Evidence, radiance};
 use crate::naming::Likenesses;
 use crate::report::{self, Page};
@@ -28,7 +27,7 @@ pub struct Arguments {
     test: PathBuf,
     // `help` lists the gates.
     #[arg(long, value_name = "GATE", value_parser = gate_named, help = gates_help())]
-    gate: Option<&'static dyn ImageGate>,
+    gate: Option<Gate>,
     /// The stochastic gate passes an image only if a bias this large would have been detected, in
     /// percent of (image mean + 0.001); noisier images are inconclusive (exit code 5)
     #[arg(
@@ -72,8 +71,13 @@ pub fn percent(text: &str) -> Result<f64, String> {
 
 /// Names of the gates, and the pairs of images for which each is the default.
 fn gates_help() -> String {
-    let default =
-        |gate: &dyn ImageGate| Some(format!("{} for {}", gate.name(), gate.default_for()?));
+    let default = |gate: Gate| {
+        Some(format!(
+            "{} for {}",
+            gate.name(),
+            gate.description().default_for?
+        ))
+    };
     let defaults: Vec<String> = GATES.into_iter().filter_map(default).collect();
     let names = GATES.map(Gate::name).join(", ");
     format!("{names} [default: {}]", defaults.join("; "))
@@ -111,7 +115,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let judgement = judge(gate, &reference, &test, &conditions).map_err(bad_input)?;
     let mut note = "";
     let codes = |picture: &Picture| matches!(picture, Picture::Codes(_));
-    if gate.depends_on_exposure() && codes(&reference) != codes(&test) {
+    if gate == Gate::Perceptual && codes(&reference) != codes(&test) {
         note = "\nradiance was converted to 8 bits at the exposure given with --exposure (default \
             0): it must be\nthe exposure of the .png\n";
     }
@@ -176,10 +180,7 @@ impl Arguments {
     fn evidence(&self, reference: Picture, test: Picture) -> Evidence {
         let fact = |name: &str, path: &Path| (name.to_owned(), path.display().to_string());
         Evidence {
-            golden: Some(match reference {
-                Picture::Radiance(film) => film,
-                Picture::Codes(codes) => decoded(&codes, self.exposure),
-            }),
+            golden: Some(reference.film(self.exposure)),
             test: Some(test),
             exposure: self.exposure,
             provenance: vec![
@@ -202,7 +203,7 @@ impl Arguments {
             return Ok(test);
         };
         // Volref's own images, which are compared by every bit, are not rounded unless somebody says so.
-        let is_exact = self.gate.is_some_and(|gate| gate.name() == Exact.name());
+        let is_exact = self.gate == Some(Gate::Exact);
         Ok(match (self.bits, test) {
             (Some(bits), test) => {
                 let film = radiance(test, bits, self.exposure);

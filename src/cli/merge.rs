@@ -9,7 +9,7 @@ use super::selftest::{self, SELF_TEST};
 use super::suite::{KEPT, Selection};
 use super::verdicts::PrintedVerdicts;
 use super::verify;
-use crate::compare::Exact;
+use crate::compare::Gate;
 use crate::conventions::Profile;
 use crate::film::Film;
 use crate::judging;
@@ -447,7 +447,7 @@ fn without_result(name: &str, case: Option<&Case>, reason: &str) -> Judged {
     Judged {
         result: match case {
             Some(case) => result.of_case(name, case.class(), case.gate()),
-            None => result.of_case(name, "", &Exact),
+            None => result.of_case(name, "", Gate::Exact),
         },
         evidence: case.map(Evidence::of).unwrap_or_default(),
     }

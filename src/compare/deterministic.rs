@@ -7,12 +7,9 @@
 //! between one and twelve, this rule all.
 
 use super::around;
-use super::difference_scale::DifferenceScale;
-use super::gate::{Gate, MEAN_DIFFERENCES, Metric, metrics};
-use super::image_gate::{Conditions, ImageGate};
+use super::gate::{Conditions, Description, Gate, MEAN_DIFFERENCES, Metric, metrics};
 use super::judgement::Judgement;
 use super::opacity;
-use super::picture::{Picture, PictureError};
 use crate::film::{CHANNELS, Film};
 use crate::math::Sum;
 
@@ -49,76 +46,32 @@ pub(crate) const OUTLIERS_OF_OPACITY: Metric = (
     "Pixels whose opacity is off by more than the tolerance; where opacity is compared.",
 );
 
-/// Linear radiance within a tolerance, for renderings without noise.
-#[derive(Clone, Copy, Debug)]
-pub struct Deterministic;
-
-impl Gate for Deterministic {
-    fn name(&self) -> &'static str {
-        "deterministic"
-    }
-
-    fn rule(&self) -> &'static str {
-        "Neither image has noise. A pixel agrees if each channel is within 0.001 plus 1 % of the \
+pub(super) const DESCRIPTION: Description = Description {
+    name: "deterministic",
+    rule: "Neither image has noise. A pixel agrees if each channel is within 0.001 plus 1 % of the \
          golden: that is one tolerance. At most 0.02 % of the pixels may disagree (rays that graze \
          an edge), none by more than 20 tolerances, and the mean of a channel may be off by a tenth \
          of a tolerance. No single pixel may be black among neighbours that are not. Opacity, where \
-         both images have it, is one more channel; 1 or 0 everywhere counts only in cases that ask for opacity."
-    }
-
-    fn metrics(&self) -> &'static [Metric] {
-        &metrics! {
-            "outlier_pixels" => "Pixels that are off by more than the tolerance.";
-            "outlier_share" => "The same as a fraction of all pixels; at most 0.0002 are allowed.";
-            FAR_SHARE;
-            "max_abs_error" => "Largest difference of any channel, in radiance.";
-            "worst_in_tolerances" =>
-                "Difference of the worst pixel in tolerances; above 1 the pixel disagrees, above 20 the image fails.";
-            "worst_column" => "Column of the worst pixel, from the left, from 0.";
-            "worst_row" => "Row of the worst pixel, from the top, from 0.";
-            "lost_pixels" =>
-                "Pixels that are exactly 0 in all channels, among neighbours that agree and are not; none are allowed.";
-            MEAN_DIFFERENCES[0];
-            MEAN_DIFFERENCES[1];
-            MEAN_DIFFERENCES[2];
-            OUTLIERS_OF_OPACITY;
-            "mean_difference_opacity" => "Mean of test minus golden: above 0, the volume is too opaque.";
-        }
-    }
-
-    fn difference_scale(&self, _golden: &Film, _test: &Film) -> DifferenceScale {
-        DifferenceScale::Tolerance {
-            absolute: ABSOLUTE,
-            relative: RELATIVE,
-        }
-    }
-}
-
-impl ImageGate for Deterministic {
-    fn judge(
-        &self,
-        reference: &Picture,
-        test: &Picture,
-        conditions: &Conditions<'_>,
-    ) -> Result<Judgement, PictureError> {
-        let [reference, test] = [reference, test].map(|picture| picture.radiance_for(self));
-        let allowed = if conditions.in_single_precision {
-            (OUTLIERS_OF_SINGLE_PRECISION, HARD_CAP_OF_SINGLE_PRECISION)
-        } else {
-            (OUTLIERS, HARD_CAP)
-        };
-        Ok(judge(reference?, test?, allowed, conditions.opacity))
-    }
-
-    fn default_for(&self) -> Option<&'static str> {
-        Some("two linear images without variance")
-    }
-
-    fn default_reason(&self, reference: &Picture, test: &Picture) -> Option<&'static str> {
-        let silent = |picture: &Picture| matches!(picture, Picture::Radiance(film) if film.noise().is_none());
-        (silent(reference) && silent(test)).then_some("")
-    }
-}
+         both images have it, is one more channel; 1 or 0 everywhere counts only in cases that ask for opacity.",
+    metrics: &metrics! {
+        "outlier_pixels" => "Pixels that are off by more than the tolerance.";
+        "outlier_share" => "The same as a fraction of all pixels; at most 0.0002 are allowed.";
+        FAR_SHARE;
+        "max_abs_error" => "Largest difference of any channel, in radiance.";
+        "worst_in_tolerances" =>
+            "Difference of the worst pixel in tolerances; above 1 the pixel disagrees, above 20 the image fails.";
+        "worst_column" => "Column of the worst pixel, from the left, from 0.";
+        "worst_row" => "Row of the worst pixel, from the top, from 0.";
+        "lost_pixels" =>
+            "Pixels that are exactly 0 in all channels, among neighbours that agree and are not; none are allowed.";
+        MEAN_DIFFERENCES[0];
+        MEAN_DIFFERENCES[1];
+        MEAN_DIFFERENCES[2];
+        OUTLIERS_OF_OPACITY;
+        "mean_difference_opacity" => "Mean of test minus golden: above 0, the volume is too opaque.";
+    },
+    default_for: Some("two linear images without variance"),
+};
 
 /// Tolerance of a channel that is `golden` in the right image.
 pub fn tolerance(golden: f64) -> f64 {
@@ -167,13 +120,17 @@ fn lone_black_pixels(reference: &Film, test: &Film) -> Vec<usize> {
         .collect()
 }
 
-/// Judges `test` by `reference`, both of one size and finite; this share of `outliers` is allowed, none
-/// by more than `cap` tolerances. Opacity counts, if it is the same everywhere, only where it is `asked` for.
+/// Judges `test` by `reference`, both of one size and finite. Opacity counts, if it is the same everywhere, only where it
+/// is asked for.
 ///
 /// A quantised image is judged by the nearest of those that round to it. A correct renderer is within its own small
 /// errors of the reference, so the mean needs no allowance for roundings that do not average out, as in an image of
 /// one colour.
-fn judge(reference: &Film, test: &Film, (outliers, cap): (f64, f64), asked: bool) -> Judgement {
+pub(super) fn judge(reference: &Film, test: &Film, conditions: &Conditions<'_>) -> Judgement {
+    let (outliers, cap) = match conditions.in_single_precision {
+        true => (OUTLIERS_OF_SINGLE_PRECISION, HARD_CAP_OF_SINGLE_PRECISION),
+        false => (OUTLIERS, HARD_CAP),
+    };
     let allowed = match test.quantisation() {
         Some(of) if of.blended => "one and a half codes + 0.001 + 1 %",
         Some(_) => "half a code + 0.001 + 1 %",
@@ -181,7 +138,7 @@ fn judge(reference: &Film, test: &Film, (outliers, cap): (f64, f64), asked: bool
     };
     let black = lone_black_pixels(reference, test);
     let colours = ColourDifference::between(reference, &test.nearest_to(reference));
-    let opacity = opacity::difference(reference, test, asked, tolerance);
+    let opacity = opacity::difference(reference, test, conditions.opacity, tolerance);
     let fault = (colours.of_pixels(allowed, outliers, cap))
         .or_else(|| of_black_pixels(&black, reference.width()))
         .or_else(|| colours.of_means())
@@ -189,12 +146,12 @@ fn judge(reference: &Film, test: &Film, (outliers, cap): (f64, f64), asked: bool
         .or_else(|| opacity.as_ref()?.of_mean(tolerance_of_mean));
     let mut metrics = colours.metrics(black.len());
     if let Some(found) = opacity {
-        metrics.push((OUTLIERS_OF_OPACITY.0, found.outside as f64));
+        metrics.push((OUTLIERS_OF_OPACITY.0, found.pixels.outside as f64));
         metrics.push(("mean_difference_opacity", found.mean));
     }
     let passed = fault.is_none();
     let reason = fault.unwrap_or_else(|| colours.in_words(allowed));
-    Judgement::new(&Deterministic, passed, reason, &metrics)
+    Judgement::new(Gate::Deterministic, passed, reason, &metrics)
 }
 
 /// Sentence on the pixels that were lost, if there are any, in an image of this `width`.
@@ -213,20 +170,53 @@ fn of_black_pixels(black: &[usize], width: usize) -> Option<String> {
     ))
 }
 
+/// Pixels of an image by how far each is off, in what it may be off by.
+#[derive(Default)]
+pub(super) struct Outliers {
+    /// Number of all pixels.
+    pub count: usize,
+    /// Number of pixels that are off by more than they may be.
+    pub outside: usize,
+    /// Number of pixels that are off by more than twice that.
+    pub far: usize,
+    /// Index of the worst pixel, and how far it is off.
+    pub worst: (usize, f64),
+}
+
+impl Outliers {
+    /// By how far each pixel is off, row by row.
+    pub fn of(excesses: impl Iterator<Item = f64>) -> Outliers {
+        let mut outliers = Outliers::default();
+        for (index, excess) in excesses.enumerate() {
+            outliers.count += 1;
+            outliers.outside += usize::from(excess > 1.0);
+            outliers.far += usize::from(excess > 2.0);
+            if excess > outliers.worst.1 {
+                outliers.worst = (index, excess);
+            }
+        }
+        outliers
+    }
+
+    /// Share of the pixels that are off by more than they may be.
+    pub fn share(&self) -> f64 {
+        self.outside as f64 / self.count as f64
+    }
+
+    /// Share of the pixels that are off by more than twice that.
+    pub fn far_share(&self) -> f64 {
+        self.far as f64 / self.count as f64
+    }
+}
+
 /// Differences of the colours of two films.
 struct ColourDifference {
-    /// Number of all pixels.
-    count: usize,
-    /// Number of pixels that are off by more than a tolerance.
-    outside: usize,
-    /// Number of pixels that are off by more than two.
-    far: usize,
+    /// In tolerances.
+    pixels: Outliers,
     /// Largest difference of a channel, in radiance.
     largest: f64,
     /// Column and row of the worst pixel.
     worst_at: [usize; 2],
-    /// Difference of that pixel in tolerances.
-    worst: f64,
     /// Mean of the golden, by channel.
     means: [f64; 3],
     /// Mean of test minus golden, by channel.
@@ -235,43 +225,31 @@ struct ColourDifference {
 
 impl ColourDifference {
     fn between(golden: &Film, test: &Film) -> ColourDifference {
-        let count = golden.radiance().len();
-        let (mut outside, mut far, mut largest, mut worst) = (0, 0, 0.0_f64, (0, 0.0_f64));
-        let mut sums = [Sum::default(); 3];
-        let mut differences = [Sum::default(); 3];
-        for (index, (golden, test)) in golden.radiance().iter().zip(test.radiance()).enumerate() {
-            let excess = in_tolerances(*golden, *test);
-            for c in 0..3 {
-                let (golden, test) = (f64::from(golden[c]), f64::from(test[c]));
-                let difference = test - golden;
-                largest = largest.max(difference.abs());
-                sums[c].add(golden);
-                differences[c].add(difference);
-            }
-            outside += usize::from(excess > 1.0);
-            far += usize::from(excess > 2.0);
-            if excess > worst.1 {
-                worst = (index, excess);
-            }
-        }
-        let mean = |sum: Sum| sum.value() / count as f64;
+        let pairs = || golden.radiance().iter().zip(test.radiance());
+        let pixels = Outliers::of(pairs().map(|(golden, test)| in_tolerances(*golden, *test)));
+        let mean = |of: fn(f64, f64) -> f64| -> [f64; 3] {
+            std::array::from_fn(|c| {
+                let sum: Sum = pairs().map(|(a, b)| of(a[c].into(), b[c].into())).collect();
+                sum.value() / pixels.count as f64
+            })
+        };
+        let differences =
+            pairs().flat_map(|(a, b)| [0, 1, 2].map(|c| (f64::from(b[c]) - f64::from(a[c])).abs()));
+        let (worst, width) = (pixels.worst.0, golden.width());
         ColourDifference {
-            count,
-            outside,
-            far,
-            largest,
-            worst_at: [worst.0 % golden.width(), worst.0 / golden.width()],
-            worst: worst.1,
-            means: sums.map(mean),
-            bias: differences.map(mean),
+            largest: differences.fold(0.0, f64::max),
+            worst_at: [worst % width, worst / width],
+            means: mean(|golden, _| golden),
+            bias: mean(|golden, test| test - golden),
+            pixels,
         }
     }
 
     /// Sentence on the pixels, if too many or one of them are off by more than is `allowed`.
     fn of_pixels(&self, allowed: &str, outliers: f64, cap: f64) -> Option<String> {
-        let (outside, count) = (self.outside, self.count);
-        let share = self.share();
-        let ([column, row], worst) = (self.worst_at, self.worst);
+        let Outliers { outside, count, .. } = self.pixels;
+        let share = self.pixels.share();
+        let ([column, row], worst) = (self.worst_at, self.pixels.worst.1);
         if share > outliers {
             Some(format!(
                 "{outside} of {count} pixels ({:.3} %) differ by more than {allowed}; at most {:.2} % \
@@ -293,7 +271,7 @@ impl ColourDifference {
     fn of_means(&self) -> Option<String> {
         let excess = |c: &usize| (self.bias[*c] / tolerance_of_mean(self.means[*c])).abs();
         let channel = (0..3).max_by(|a, b| excess(a).total_cmp(&excess(b)))?;
-        let pixels = match self.outside {
+        let pixels = match self.pixels.outside {
             0 => "every pixel is".to_owned(),
             1 => "all pixels but one are".to_owned(),
             several => format!("all pixels but {several} are"),
@@ -313,22 +291,17 @@ impl ColourDifference {
     fn in_words(&self, allowed: &str) -> String {
         format!(
             "{} of {} pixels differ by more than {allowed}; the largest difference is {:.3e}",
-            self.outside, self.count, self.largest
+            self.pixels.outside, self.pixels.count, self.largest
         )
-    }
-
-    /// Share of the pixels that are off by more than a tolerance.
-    fn share(&self) -> f64 {
-        self.outside as f64 / self.count as f64
     }
 
     fn metrics(&self, lost: usize) -> Vec<(&'static str, f64)> {
         vec![
-            ("outlier_pixels", self.outside as f64),
-            ("outlier_share", self.share()),
-            (FAR_SHARE.0, self.far as f64 / self.count as f64),
+            ("outlier_pixels", self.pixels.outside as f64),
+            ("outlier_share", self.pixels.share()),
+            (FAR_SHARE.0, self.pixels.far_share()),
             ("max_abs_error", self.largest),
-            ("worst_in_tolerances", self.worst),
+            ("worst_in_tolerances", self.pixels.worst.1),
             ("worst_column", self.worst_at[0] as f64),
             ("worst_row", self.worst_at[1] as f64),
             ("lost_pixels", lost as f64),

@@ -1,47 +1,22 @@
 //! The exact gate: every bit of every pixel.
 
-use super::gate::{Gate, Metric, metrics};
-use super::image_gate::{Conditions, ImageGate};
+use super::gate::{Description, Gate, metrics};
 use super::judgement::Judgement;
-use super::picture::{Picture, PictureError};
 use crate::film::Film;
 
-/// Every bit of every pixel.
-#[derive(Clone, Copy, Debug)]
-pub struct Exact;
-
-impl Gate for Exact {
-    fn name(&self) -> &'static str {
-        "exact"
-    }
-
-    fn rule(&self) -> &'static str {
-        "Every bit of every pixel must be the same."
-    }
-
-    fn metrics(&self) -> &'static [Metric] {
-        &metrics! {
-            "moved_pixels" => "Pixels whose colour differs in any bit.";
-            "moved_opacities" => "Pixels whose opacity differs in any bit.";
-            "max_abs_error" => "Largest difference of any channel, in radiance.";
-        }
-    }
-}
-
-impl ImageGate for Exact {
-    fn judge(
-        &self,
-        reference: &Picture,
-        test: &Picture,
-        _: &Conditions<'_>,
-    ) -> Result<Judgement, PictureError> {
-        let [reference, test] = [reference, test].map(|picture| picture.radiance_for(self));
-        Ok(judge(reference?, test?))
-    }
-}
+pub(super) const DESCRIPTION: Description = Description {
+    name: "exact",
+    rule: "Every bit of every pixel must be the same.",
+    metrics: &metrics! {
+        "moved_pixels" => "Pixels whose colour differs in any bit.";
+        "moved_opacities" => "Pixels whose opacity differs in any bit.";
+        "max_abs_error" => "Largest difference of any channel, in radiance.";
+    },
+    default_for: None,
+};
 
 /// Judges `test` by `reference`; both of one size and finite.
-fn judge(reference: &Film, test: &Film) -> Judgement {
+pub(super) fn judge(reference: &Film, test: &Film) -> Judgement {
     let test = &*test.nearest_to(reference);
     let bits = |pixel: &[f32; 3]| pixel.map(f32::to_bits);
     let pairs = || reference.radiance().iter().zip(test.radiance());
@@ -57,7 +32,12 @@ fn judge(reference: &Film, test: &Film) -> Judgement {
         (None, None) => 0,
         _ => {
             let reason = "only one of the images has an opacity channel".to_owned();
-            return Judgement::new(&Exact, false, reason, &[("moved_pixels", moved as f64)]);
+            return Judgement::new(
+                Gate::Exact,
+                false,
+                reason,
+                &[("moved_pixels", moved as f64)],
+            );
         }
     };
     let largest = pairs()
@@ -77,5 +57,5 @@ fn judge(reference: &Film, test: &Film) -> Judgement {
         ("moved_opacities", opacity_moved as f64),
         ("max_abs_error", largest),
     ];
-    Judgement::new(&Exact, moved + opacity_moved == 0, reason, &metrics)
+    Judgement::new(Gate::Exact, moved + opacity_moved == 0, reason, &metrics)
 }

@@ -1,30 +1,59 @@
-//! The gate: a rule for judging images, and its description.
+//! The gates: rules for judging images.
 //!
-//! A new gate is a file that implements [`Gate`] and [`ImageGate`](super::ImageGate), and a row of
-//! [`GATES`](super::GATES).
+//! A new gate is a file with its [`Description`], a variant of [`Gate`] and an arm of [`judge`](super::judge).
 
-use super::difference_scale::DifferenceScale;
-use crate::film::Film;
-use serde::{Serialize, Serializer};
-use std::fmt;
+use super::promise::Promise;
+use super::sensitivity::Sensitivity;
+use super::{deterministic, exact, perceptual, refinement, stochastic};
+use serde::{Deserialize, Serialize};
 
 /// Name and meaning of a metric.
 pub(crate) type Metric = (&'static str, &'static str);
 
-/// A rule behind a result.
-pub trait Gate: Send + Sync {
+/// The rule behind a result.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Gate {
+    /// Every bit of every pixel.
+    Exact,
+    /// Linear radiance within a tolerance, for renderings without noise.
+    Deterministic,
+    /// 8-bit images that look the same.
+    Perceptual,
+    /// Means of random samples, by the noise they state.
+    Stochastic,
+    /// Images with steps h, h/2, h/4 against their limit, or one against a bound of first order.
+    Refinement,
+}
+
+/// Description of a gate.
+#[derive(Debug)]
+pub struct Description {
     /// Name, as in JSON and after `--gate`.
-    fn name(&self) -> &'static str;
-
+    pub name: &'static str,
     /// The rule with its limits, in sentences for the reader of a report.
-    fn rule(&self) -> &'static str;
-
+    pub rule: &'static str,
     /// The metrics of its judgements.
-    fn metrics(&self) -> &'static [Metric];
+    pub metrics: &'static [(&'static str, &'static str)],
+    /// The pairs of images for which it is the default, in words after "for"; `None` for a gate that has to be named.
+    pub default_for: Option<&'static str>,
+}
 
-    /// For a report: the unit of the difference of two images of the same size.
-    fn difference_scale(&self, _golden: &Film, _test: &Film) -> DifferenceScale {
-        DifferenceScale::Radiance
+impl Gate {
+    /// Its description.
+    pub fn description(self) -> &'static Description {
+        match self {
+            Gate::Exact => &exact::DESCRIPTION,
+            Gate::Deterministic => &deterministic::DESCRIPTION,
+            Gate::Perceptual => &perceptual::DESCRIPTION,
+            Gate::Stochastic => &stochastic::DESCRIPTION,
+            Gate::Refinement => &refinement::DESCRIPTION,
+        }
+    }
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        self.description().name
     }
 }
 
@@ -43,22 +72,33 @@ pub(super) const MEAN_DIFFERENCES: [Metric; 3] = metrics! {
     "mean_difference_blue" => "Mean of test minus golden: above 0, blue is too bright.";
 };
 
-impl PartialEq for dyn Gate {
-    fn eq(&self, other: &dyn Gate) -> bool {
-        self.name() == other.name()
-    }
+/// Parameters of a comparison beside the images.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Conditions<'s> {
+    /// Exposure applied to linear images, in stops.
+    pub exposure: f64,
+    /// Number of comparisons, including this one, that share one rate of false alarms.
+    pub cases: usize,
+    /// Biases that must be detectable for a pass; `None` for no such requirement.
+    pub promise: Option<Promise>,
+    /// The renderer of the test image is known to compute in single precision.
+    pub in_single_precision: bool,
+    /// Opacity was asked for, so that 1 everywhere is a statement about the volume.
+    pub opacity: bool,
+    /// Derivatives of the reference by the numbers of its scene, for the stochastic gate.
+    pub sensitivities: &'s [Sensitivity],
 }
 
-impl Eq for dyn Gate {}
-
-impl fmt::Debug for dyn Gate {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
-    }
-}
-
-impl Serialize for dyn Gate {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.serialize_str(self.name())
+impl Default for Conditions<'_> {
+    /// A single comparison at exposure 0, without a required bias.
+    fn default() -> Self {
+        Conditions {
+            exposure: 0.0,
+            cases: 1,
+            promise: None,
+            in_single_precision: false,
+            opacity: false,
+            sensitivities: &[],
+        }
     }
 }

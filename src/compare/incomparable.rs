@@ -14,11 +14,7 @@ pub(crate) const NON_FINITE: Metric = (
 );
 
 /// A failed judgement where two images cannot be compared.
-pub(super) fn pictures(
-    gate: &'static dyn Gate,
-    reference: &Picture,
-    test: &Picture,
-) -> Option<Judgement> {
+pub(super) fn pictures(gate: Gate, reference: &Picture, test: &Picture) -> Option<Judgement> {
     let sizes = size_differs(gate, reference.size(), test.size());
     sizes.or_else(|| {
         let [reference, test] = [reference, test].map(Picture::radiance);
@@ -28,7 +24,7 @@ pub(super) fn pictures(
 }
 
 /// [`pictures`], of images that are radiance; a variance must be one, too.
-pub(super) fn films(gate: &'static dyn Gate, reference: &Film, test: &Film) -> Option<Judgement> {
+pub(super) fn films(gate: Gate, reference: &Film, test: &Film) -> Option<Judgement> {
     let [size, test_size] = [reference, test].map(|film| (film.width(), film.height()));
     size_differs(gate, size, test_size)
         .or_else(|| not_finite(gate, REFERENCE, reference))
@@ -42,7 +38,7 @@ pub(super) const REFERENCE: &str = "reference";
 pub(super) const TEST: &str = "test image";
 
 fn size_differs(
-    gate: &'static dyn Gate,
+    gate: Gate,
     (width, height): (usize, usize),
     (test_width, test_height): (usize, usize),
 ) -> Option<Judgement> {
@@ -65,7 +61,7 @@ fn size_differs(
 /// Pixels that are named where something is wrong with single ones.
 const MOST_NAMED: usize = 8;
 
-fn not_finite(gate: &'static dyn Gate, name: &str, film: &Film) -> Option<Judgement> {
+fn not_finite(gate: Gate, name: &str, film: &Film) -> Option<Judgement> {
     let (width, height) = (film.width(), film.height());
     let broken = |&index: &usize| film.pixel(index).iter().any(|value| !value.is_finite());
     let broken: Vec<usize> = (0..width * height).filter(broken).collect();
@@ -91,27 +87,22 @@ fn not_finite(gate: &'static dyn Gate, name: &str, film: &Film) -> Option<Judgem
 
 /// Likely origins of NaN and of infinity, of those that `broken` pixels of `film` have.
 fn origins(film: &Film, broken: &[usize]) -> String {
-    if film.is_swapped() {
-        return "its byte order is likely wrong".to_owned();
-    }
     let any = |is: fn(f32) -> bool| {
         broken
             .iter()
             .any(|&index| film.pixel(index).into_iter().any(is))
     };
-    let infinity = match film.overflow() {
-        Some(overflow) => overflow.to_string(),
-        None => "look for a division by 0, such as by a distance or a probability".to_owned(),
-    };
-    let of_nan = "look for a division 0/0, such as a vector of length 0 that is normalised";
+    let infinity = "look for a division by 0, such as by a distance or a probability, or a value beyond the range of \
+                    the numbers in the file: half floats end at 65504";
+    let nan = "look for a division 0/0, such as a vector of length 0 that is normalised";
     match (any(f32::is_nan), any(f32::is_infinite)) {
-        (true, true) => format!("NaN: {of_nan}; infinity: {infinity}"),
-        (true, false) => of_nan.to_owned(),
-        (false, _) => infinity,
+        (true, true) => format!("NaN: {nan}; infinity: {infinity}"),
+        (true, false) => nan.to_owned(),
+        (false, _) => infinity.to_owned(),
     }
 }
 
-fn no_variance(gate: &'static dyn Gate, name: &str, film: &Film) -> Option<Judgement> {
+fn no_variance(gate: Gate, name: &str, film: &Film) -> Option<Judgement> {
     let noise = film.noise()?;
     let first = noise.first_without_variance()?;
     let reason = format!(

@@ -12,8 +12,8 @@ pub struct Judgement {
     /// True if the images agree under the gate.
     pub passed: bool,
     /// The rule applied.
-    pub gate: &'static dyn Gate,
-    /// Numbers by name, all finite; [`Gate::metrics`] says what they mean.
+    pub gate: Gate,
+    /// Numbers by name, all finite; [`Gate::description`] says what they mean.
     pub metrics: BTreeMap<String, f64>,
     /// The reason, with the deciding number.
     pub reason: String,
@@ -63,7 +63,7 @@ pub struct NumberChange {
 
 impl Judgement {
     pub(super) fn new(
-        gate: &'static dyn Gate,
+        gate: Gate,
         passed: bool,
         reason: String,
         metrics: &[(&str, f64)],

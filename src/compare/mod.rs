@@ -1,8 +1,7 @@
 //! Comparison of two images.
 //!
 //! First, images that cannot be compared are rejected: different sizes, pixels that are not finite.
-//! Then a gate: [exact](Exact), [deterministic](Deterministic), [perceptual](Perceptual) or
-//! [stochastic](Stochastic), each in its own file with its limits and their reasons.
+//! Then a [gate](Gate), each in its own file with its limits and their reasons.
 
 mod advice;
 pub(crate) mod coarse;
@@ -12,7 +11,6 @@ mod difference_scale;
 mod exact;
 pub mod flip;
 mod gate;
-mod image_gate;
 mod incomparable;
 mod judgement;
 mod margin;
@@ -29,26 +27,21 @@ pub mod stochastic;
 pub(crate) mod unexplained;
 
 pub use advice::{Advice, Undecided};
-pub use deterministic::Deterministic;
 pub use difference_scale::{BlockMap, DifferenceScale};
-pub use exact::Exact;
-pub use gate::Gate;
 pub(crate) use gate::Metric;
-pub use image_gate::{Conditions, ImageGate};
+pub use gate::{Conditions, Description, Gate};
 pub use judgement::{Detectable, Judgement, NumberChange};
 pub use margin::Margin;
 pub(crate) use margin::STANDARD_ERRORS;
-pub use perceptual::Perceptual;
 pub use picture::{Picture, PictureError};
 pub(crate) use places::left;
 pub use places::measured;
 pub use precision::recognised;
 pub(crate) use precision::{is_of_precision, precision_in_words};
 pub use promise::Promise;
-pub(crate) use refinement::{Limit, Refinement, judge_one_step, judge_refinement};
+pub(crate) use refinement::{Limit, judge_one_step, judge_refinement};
 pub use sensitivity::Sensitivity;
 pub(crate) use sensitivity::change_in_words;
-pub use stochastic::Stochastic;
 
 use crate::film::Film;
 use depth::OUTLIERS_OF_DEPTH;
@@ -56,15 +49,20 @@ pub(crate) use incomparable::NON_FINITE;
 use incomparable::{REFERENCE, TEST};
 use precision::CUT_OFF;
 
-/// Every gate for a pair of images. If several are the default for a pair, the first is used.
-pub const GATES: [&dyn ImageGate; 4] = [&Exact, &Deterministic, &Perceptual, &Stochastic];
+/// Every gate for a pair of images.
+pub const GATES: [Gate; 4] = [
+    Gate::Exact,
+    Gate::Deterministic,
+    Gate::Perceptual,
+    Gate::Stochastic,
+];
 
 /// The gate called `name`.
 ///
 /// # Errors
 ///
 /// A message that lists the gates, if there is none of that name.
-pub fn gate_named(name: &str) -> Result<&'static dyn ImageGate, String> {
+pub fn gate_named(name: &str) -> Result<Gate, String> {
     let found = GATES.into_iter().find(|gate| gate.name() == name);
     found.ok_or_else(|| {
         let names = GATES.map(Gate::name).join(", ");
@@ -73,14 +71,25 @@ pub fn gate_named(name: &str) -> Result<&'static dyn ImageGate, String> {
 }
 
 /// The default gate for a pair, with the reason as the end of a sentence; empty if it is obvious.
-pub(crate) fn default_gate(
-    reference: &Picture,
-    test: &Picture,
-) -> (&'static dyn ImageGate, &'static str) {
-    let mut claims = GATES
-        .into_iter()
-        .filter_map(|gate| Some((gate, gate.default_reason(reference, test)?)));
-    claims.next().unwrap_or((&Deterministic, ""))
+pub(crate) fn default_gate(reference: &Picture, test: &Picture) -> (Gate, &'static str) {
+    let [Some(reference), Some(test)] = [reference, test].map(Picture::radiance) else {
+        return (Gate::Perceptual, "");
+    };
+    match [reference, test].map(|film| film.noise().is_some()) {
+        [true, true] => (
+            Gate::Stochastic,
+            ", since both images include their variance",
+        ),
+        [true, false] => (
+            Gate::Stochastic,
+            ", since the reference includes its variance",
+        ),
+        [false, true] => (
+            Gate::Stochastic,
+            ", since the test image includes its variance",
+        ),
+        [false, false] => (Gate::Deterministic, ""),
+    }
 }
 
 /// The pixels of an image of `width` × `height` that are at most `reach` rows and columns from one, with that one.
@@ -96,13 +105,13 @@ pub(crate) fn around(
 
 /// Images of one size, with finite pixels and variances: the gates compare no others.
 pub(crate) fn are_comparable(reference: &Film, test: &Film) -> bool {
-    incomparable::films(&Stochastic, reference, test).is_none()
+    incomparable::films(Gate::Stochastic, reference, test).is_none()
 }
 
 /// Meaning of a metric of any gate.
 pub fn metric_meaning(name: &str) -> Option<&'static str> {
-    let images = GATES.into_iter().flat_map(Gate::metrics);
-    let mut metrics = images.chain(Refinement.metrics());
+    let gates = GATES.into_iter().chain([Gate::Refinement]);
+    let mut metrics = gates.flat_map(|gate| gate.description().metrics);
     let found = metrics.find(|(known, _)| *known == name);
     let common = [&NON_FINITE, &CUT_OFF, &OUTLIERS_OF_DEPTH]
         .into_iter()
@@ -111,20 +120,38 @@ pub fn metric_meaning(name: &str) -> Option<&'static str> {
 }
 
 /// Compares `test` with `reference`: first checks sizes and that all pixels are finite, then applies
-/// the gate. Changes of the images on reading are part of the reason.
+/// the gate. Changes of the images on reading are part of the reason. A pair has no steps: it is judged by the
+/// deterministic gate in place of that of refinement.
 ///
 /// # Errors
 ///
 /// If the gate cannot judge images of this kind: only the perceptual gate judges 8-bit images.
 pub fn judge(
-    gate: &'static dyn ImageGate,
+    gate: Gate,
     reference: &Picture,
     test: &Picture,
     conditions: &Conditions<'_>,
 ) -> Result<Judgement, PictureError> {
-    let judgement = match incomparable::pictures(gate, reference, test) {
-        Some(difference) => difference,
-        None => gate.judge(reference, test, conditions)?,
+    let pair = [reference, test];
+    let films = || -> Result<_, PictureError> {
+        let [reference, test] = pair.map(|picture| picture.radiance_for(gate));
+        Ok((reference?, test?))
+    };
+    let judgement = match (incomparable::pictures(gate, reference, test), gate) {
+        (Some(difference), _) => difference,
+        (None, Gate::Exact) => films().map(|(reference, test)| exact::judge(reference, test))?,
+        (None, Gate::Deterministic | Gate::Refinement) => {
+            let (reference, test) = films()?;
+            deterministic::judge(reference, test, conditions)
+        }
+        (None, Gate::Perceptual) => {
+            let [reference, test] = pair.map(|picture| picture.srgb(conditions.exposure));
+            perceptual::judge(&reference?, &test?)
+        }
+        (None, Gate::Stochastic) => {
+            let (reference, test) = films()?;
+            stochastic::judge_under(reference, test, conditions)?
+        }
     };
     let judgement = match (reference, test) {
         (Picture::Radiance(golden), Picture::Radiance(test)) => {
@@ -150,9 +177,9 @@ mod tests {
     #[test]
     fn every_gate_is_found_by_its_name_and_says_what_it_does() {
         for gate in GATES {
-            assert_eq!(gate_named(gate.name()).unwrap().name(), gate.name());
-            assert!(gate.rule().ends_with('.'), "{}", gate.name());
-            for &(metric, meaning) in gate.metrics() {
+            assert_eq!(gate_named(gate.name()), Ok(gate));
+            assert!(gate.description().rule.ends_with('.'), "{}", gate.name());
+            for &(metric, meaning) in gate.description().metrics {
                 assert_eq!(metric_meaning(metric), Some(meaning), "{metric}");
             }
         }

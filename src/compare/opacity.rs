@@ -4,17 +4,14 @@
 //! Such a channel says nothing of the volume: it is compared only where [a case asks for
 //! opacity](super::Conditions::opacity).
 
+use super::deterministic::Outliers;
 use crate::film::Film;
 use crate::math::Sum;
 
 /// Comparison of the opacity of two images.
 pub(super) struct OpacityDifference {
-    /// Pixels outside the tolerance.
-    pub outside: usize,
-    /// Difference of the worst pixel, in tolerances.
-    pub worst: f64,
-    /// Index of that pixel.
-    pub worst_at: usize,
+    /// In tolerances.
+    pub pixels: Outliers,
     /// Mean of test minus reference.
     pub mean: f64,
     /// Mean of the reference.
@@ -30,20 +27,25 @@ impl OpacityDifference {
         outliers: f64,
         cap: f64,
     ) -> Option<String> {
-        let count = reference.radiance().len();
-        if self.outside as f64 <= outliers * count as f64 && self.worst <= cap {
+        let Outliers {
+            count,
+            outside,
+            worst: (at, worst),
+            ..
+        } = self.pixels;
+        if self.pixels.share() <= outliers && worst <= cap {
             return None;
         }
-        let at = |film: &Film| film.opacity().map_or(1.0, |opacity| opacity[self.worst_at]);
+        let opacity = |film: &Film| film.opacity().map_or(1.0, |opacity| opacity[at]);
         Some(format!(
             "the colours agree; the opacity of {} of {count} pixels ({:.3} %) differs by more than 0.001 + 1 %. The \
              worst is ({}, {}), where it is {:.4} in place of {:.4}",
-            self.outside,
-            100.0 * self.outside as f64 / count as f64,
-            self.worst_at % reference.width(),
-            self.worst_at / reference.width(),
-            at(test),
-            at(reference)
+            outside,
+            100.0 * self.pixels.share(),
+            at % reference.width(),
+            at / reference.width(),
+            opacity(test),
+            opacity(reference)
         ))
     }
 
@@ -88,30 +90,19 @@ pub(super) fn difference(
         stated(test)?
     };
     let rounding = rounding(test);
-    let mut found = OpacityDifference {
-        outside: 0,
-        worst: 0.0,
-        worst_at: 0,
-        mean: 0.0,
-        golden: 0.0,
+    let off = |(&golden, &test): (&f32, &f32)| {
+        let off = f64::from(test) - f64::from(golden);
+        off.signum() * (off.abs() - rounding).max(0.0)
     };
-    let (mut sum, mut differences) = (Sum::default(), Sum::default());
-    for (index, (&golden, &test)) in golden.iter().zip(opacity).enumerate() {
-        let [golden, test] = [golden, test].map(f64::from);
-        let off = (test - golden).signum() * ((test - golden).abs() - rounding).max(0.0);
-        let excess = match off.abs() / tolerance(golden) {
-            excess if excess.is_nan() => f64::INFINITY,
-            excess => excess,
-        };
-        found.outside += usize::from(excess > 1.0);
-        if excess > found.worst {
-            (found.worst, found.worst_at) = (excess, index);
-        }
-        sum.add(golden);
-        differences.add(off);
-    }
-    let count = golden.len() as f64;
-    found.mean = differences.value() / count;
-    found.golden = sum.value() / count;
-    Some(found)
+    let excess = |pair: (&f32, &f32)| match off(pair).abs() / tolerance(f64::from(*pair.0)) {
+        excess if excess.is_nan() => f64::INFINITY,
+        excess => excess,
+    };
+    let pairs = || golden.iter().zip(opacity);
+    let mean = |sum: Sum| sum.value() / golden.len() as f64;
+    Some(OpacityDifference {
+        pixels: Outliers::of(pairs().map(excess)),
+        mean: mean(pairs().map(off).collect()),
+        golden: mean(golden.iter().copied().map(f64::from).collect()),
+    })
 }

@@ -4,7 +4,7 @@ use super::flip::SrgbImage;
 use super::gate::Gate;
 use crate::files::regular_file;
 use crate::files::regular_file::ReadError;
-use crate::film::{Film, FilmError, FilmFormat};
+use crate::film::{Bits, Film, FilmError, FilmFormat};
 use std::path::Path;
 use thiserror::Error;
 
@@ -138,8 +138,16 @@ impl Picture {
         }
     }
 
+    /// Linear radiance; that for which 8-bit codes stand at `exposure` stops.
+    pub fn film(&self, exposure: f64) -> Film {
+        match self {
+            Picture::Radiance(film) => film.clone(),
+            Picture::Codes(codes) => codes.radiance(Bits::UNKNOWN, exposure),
+        }
+    }
+
     /// Linear radiance, which `gate` needs.
-    pub(super) fn radiance_for(&self, gate: &dyn Gate) -> Result<&Film, PictureError> {
+    pub(super) fn radiance_for(&self, gate: Gate) -> Result<&Film, PictureError> {
         let needs = || PictureError::NeedsRadiance(gate.name());
         self.radiance().ok_or_else(needs)
     }

@@ -62,15 +62,15 @@ impl Judgement {
 
 /// Sentence on what the precision of `test`, an image judged by `gate` with these metrics, hides.
 pub(crate) fn precision_in_words(
-    gate: &dyn Gate,
+    gate: Gate,
     metrics: &BTreeMap<String, f64>,
     test: &Film,
 ) -> Option<String> {
     let quantisation = test.quantisation()?;
-    let allowed = match gate.name() {
-        "exact" => "",
-        "deterministic" => " + 0.001 + 1 %",
-        "refinement" => " + 0.001 + 1 %, beside the error of the step,",
+    let allowed = match gate {
+        Gate::Exact => "",
+        Gate::Deterministic => " + 0.001 + 1 %",
+        Gate::Refinement => " + 0.001 + 1 %, beside the error of the step,",
         _ => ", beside noise,",
     };
     let mut text = format!(
@@ -79,7 +79,7 @@ pub(crate) fn precision_in_words(
     );
     let share = metrics.get(CUT_OFF.0).copied().unwrap_or(0.0);
     if share > 0.0 {
-        let are = if gate.name() == "stochastic" {
+        let are = if gate == Gate::Stochastic {
             "are or may be"
         } else {
             "are"

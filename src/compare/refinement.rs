@@ -23,17 +23,12 @@
 
 use super::advice::Undecided;
 use super::around;
-use super::deterministic::{BIAS, FAR_SHARE, OUTLIERS, in_tolerances, tolerance};
-use super::difference_scale::DifferenceScale;
-use super::gate::{Gate, MEAN_DIFFERENCES, Metric, metrics};
+use super::deterministic::{BIAS, FAR_SHARE, OUTLIERS, Outliers, in_tolerances, tolerance};
+use super::gate::{Description, Gate, MEAN_DIFFERENCES, metrics};
+use super::incomparable;
 use super::judgement::Judgement;
-use super::{Deterministic, incomparable};
 use crate::film::{CHANNELS, Film};
 use crate::math::{Sum, exp2, log2};
-
-/// Images with steps `h`, `h/2`, `h/4` against their limit, or one against a bound of first order.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Refinement;
 
 /// Safety factor of the grid convergence index, where the order is observed (Roache 1994).
 const SAFETY: f64 = 1.25;
@@ -68,46 +63,35 @@ const LAST_LEVEL: f64 = 1.0 / 255.0;
 /// another integrand would pass, too.
 const WIDEST: f64 = 0.02;
 
-impl Gate for Refinement {
-    fn name(&self) -> &'static str {
-        "refinement"
-    }
-
-    fn rule(&self) -> &'static str {
-        "The golden is the continuous integral, without steps. Images with steps h, h/2 and h/4 must \
+pub(super) const DESCRIPTION: Description = Description {
+    name: "refinement",
+    rule: "The golden is the continuous integral, without steps. Images with steps h, h/2 and h/4 must \
          converge to it: the order follows from their differences, the limit from the order. A pixel \
          agrees if the golden is within 1.25 times the estimated error of the finest image, plus 0.001, \
          plus 1 % of the golden; at most 0.02 % of the pixels may disagree. The extrapolated mean of a \
          channel may be off by a tenth of 0.001 + 1 % and by half of its correction. A single image must \
-         be within what samples at the beginning or at the end of each step would be off by."
-    }
-
-    fn metrics(&self) -> &'static [Metric] {
-        &metrics! {
-            "observed_order" =>
-                "Order of convergence: 1 where half the step halves the error, 2 where it quarters it.";
-            "error_at_step" =>
-                "Root mean square error of the image at the step asked for, relative to that of the golden's radiance.";
-            "error_at_finest_step" => "The same of the image with the smallest step.";
-            "error_of_limit" => "The same of the limit to which the images are extrapolated.";
-            "error_allowed" =>
-                "Mean of what a pixel may be off by because of the step, relative to the mean of the golden; above 0.02 nothing is decided.";
-            "pixels_off_limit" => "Pixels whose interval does not hold the golden.";
-            "share_off_limit" => "The same as a fraction of all pixels; at most 0.0002 are allowed.";
-            FAR_SHARE;
-            "worst_off_limit" => "The distance of the worst pixel from the golden, in what it may be off by.";
-            "worst_column" => "Column of the worst pixel, from the left, from 0.";
-            "worst_row" => "Row of the worst pixel, from the top, from 0.";
-            MEAN_DIFFERENCES[0];
-            MEAN_DIFFERENCES[1];
-            MEAN_DIFFERENCES[2];
-        }
-    }
-
-    fn difference_scale(&self, golden: &Film, test: &Film) -> DifferenceScale {
-        Deterministic.difference_scale(golden, test)
-    }
-}
+         be within what samples at the beginning or at the end of each step would be off by.",
+    metrics: &metrics! {
+        "observed_order" =>
+            "Order of convergence: 1 where half the step halves the error, 2 where it quarters it.";
+        "error_at_step" =>
+            "Root mean square error of the image at the step asked for, relative to that of the golden's radiance.";
+        "error_at_finest_step" => "The same of the image with the smallest step.";
+        "error_of_limit" => "The same of the limit to which the images are extrapolated.";
+        "error_allowed" =>
+            "Mean of what a pixel may be off by because of the step, relative to the mean of the golden; above 0.02 nothing is decided.";
+        "pixels_off_limit" => "Pixels whose interval does not hold the golden.";
+        "share_off_limit" => "The same as a fraction of all pixels; at most 0.0002 are allowed.";
+        FAR_SHARE;
+        "worst_off_limit" => "The distance of the worst pixel from the golden, in what it may be off by.";
+        "worst_column" => "Column of the worst pixel, from the left, from 0.";
+        "worst_row" => "Row of the worst pixel, from the top, from 0.";
+        MEAN_DIFFERENCES[0];
+        MEAN_DIFFERENCES[1];
+        MEAN_DIFFERENCES[2];
+    },
+    default_for: None,
+};
 
 /// A picture without steps.
 #[derive(Clone, Copy, Debug)]
@@ -134,7 +118,7 @@ pub(crate) fn judge_refinement(
         panic!("a sequence has three images");
     };
     for image in images {
-        if let Some(difference) = incomparable::films(&Refinement, golden, image) {
+        if let Some(difference) = incomparable::films(Gate::Refinement, golden, image) {
             return difference;
         }
     }
@@ -195,7 +179,7 @@ pub(crate) fn judge_refinement(
             changes[1],
             trend(golden, images)
         );
-        return Judgement::new(&Refinement, false, reason, &metrics);
+        return Judgement::new(Gate::Refinement, false, reason, &metrics);
     }
     let judged = Judged {
         golden,
@@ -227,24 +211,18 @@ fn step_errors(
 fn trend(golden: &Film, images: &[Film]) -> String {
     let brightness = |film: &Film| means(film).iter().sum::<f64>();
     let right = brightness(golden).max(f64::MIN_POSITIVE);
-    let brightness: Vec<f64> = images.iter().map(brightness).collect();
-    let changes: Vec<f64> = brightness
-        .windows(2)
-        .map(|pair| (pair[1] - pair[0]) / right)
-        .collect();
-    let all = |is: fn(f64) -> bool| changes.iter().copied().all(is);
+    let change = |pair: &[Film]| (brightness(&pair[1]) - brightness(&pair[0])) / right;
+    let changes: Vec<f64> = images.windows(2).map(change).collect();
     // The means of rules that converge change by half as much with each halving, or less.
-    let grows = changes
-        .windows(2)
-        .all(|pair| pair[1].abs() > 0.5 * pair[0].abs());
-    let direction = match (all(|change| change < 0.0), all(|change| change > 0.0)) {
-        (true, _) if grows => "darker",
-        (_, true) if grows => "brighter",
-        _ => {
-            return "no direction is in their changes: are samples at random places, or values \
-                    rounded to few levels?"
-                .to_owned();
-        }
+    let goes_on = |pair: &[f64]| pair[1] / pair[0] > 0.5;
+    if !changes.windows(2).all(goes_on) {
+        return "no direction is in their changes: are samples at random places, or values rounded to few levels?"
+            .to_owned();
+    }
+    let direction = if changes[0] < 0.0 {
+        "darker"
+    } else {
+        "brighter"
     };
     let sizes: Vec<String> = changes
         .iter()
@@ -261,8 +239,7 @@ fn trend(golden: &Film, images: &[Film]) -> String {
 fn agrees(golden: &Film, image: &Film) -> bool {
     let image = image.nearest_to(golden);
     let pixels = golden.radiance().iter().zip(image.radiance());
-    let outside = pixels.filter(|(golden, test)| in_tolerances(**golden, **test) > 1.0);
-    outside.count() as f64 <= OUTLIERS * golden.radiance().len() as f64
+    Outliers::of(pixels.map(|(golden, test)| in_tolerances(*golden, *test))).share() <= OUTLIERS
 }
 
 /// Raises each error to the other one, if that is larger.
@@ -310,7 +287,7 @@ pub(crate) fn judge_one_step(truth: Limit<'_>, first_order: &[Film], image: &Fil
     let golden = truth.golden;
     let others = first_order.iter().chain([image]);
     for other in others {
-        if let Some(difference) = incomparable::films(&Refinement, golden, other) {
+        if let Some(difference) = incomparable::films(Gate::Refinement, golden, other) {
             return difference;
         }
     }
@@ -350,26 +327,25 @@ impl Judged<'_> {
     fn judgement(&self, mut metrics: Vec<(&str, f64)>, steps: &str) -> Judgement {
         let golden = self.golden;
         let behind = behind_last_level(golden);
-        let (mut outside, mut far, mut worst) = (0_usize, 0_usize, (0, 0.0_f64));
         // The nearest image that rounds to a quantised one.
         let nearest = self.image.nearest_to(golden);
         let pixels = golden.radiance().iter().zip(nearest.radiance());
-        for (index, (right, test)) in pixels.enumerate() {
-            let excess = (0..3).fold(0.0_f64, |most, c| {
+        let pixels = Outliers::of(pixels.enumerate().map(|(index, (right, test))| {
+            (0..3).fold(0.0_f64, |most, c| {
                 let (right, test) = (f64::from(right[c]), f64::from(test[c]));
                 let table = self.table.pixels[index][c];
                 let allowed = tolerance(right) + self.step_errors[index][c] + table;
                 let allowed = allowed + behind[index];
                 most.max((test - right).abs() / allowed)
-            });
-            outside += usize::from(excess > 1.0);
-            far += usize::from(excess > 2.0);
-            if excess > worst.1 {
-                worst = (index, excess);
-            }
-        }
-        let count = golden.radiance().len();
-        let share = outside as f64 / count as f64;
+            })
+        }));
+        let Outliers {
+            count,
+            outside,
+            worst,
+            ..
+        } = pixels;
+        let share = pixels.share();
         let [column, row] = [worst.0 % golden.width(), worst.0 / golden.width()];
         let [right, test] = [&self.cut_off(), self.mean_of].map(means);
         let quantisation = self.image.quantisation();
@@ -385,7 +361,7 @@ impl Judged<'_> {
             ("error_allowed", widest),
             ("pixels_off_limit", outside as f64),
             ("share_off_limit", share),
-            (FAR_SHARE.0, far as f64 / count as f64),
+            (FAR_SHARE.0, pixels.far_share()),
             ("worst_off_limit", worst.1),
             ("worst_column", column as f64),
             ("worst_row", row as f64),
@@ -403,7 +379,7 @@ impl Judged<'_> {
                 100.0 * share,
                 worst.1
             );
-            return Judgement::new(&Refinement, false, reason, &metrics);
+            return Judgement::new(Gate::Refinement, false, reason, &metrics);
         }
         if bias[most] > 1.0 {
             let reason = format!(
@@ -413,9 +389,9 @@ impl Judged<'_> {
                 100.0 * off[most] / right[most].max(f64::MIN_POSITIVE),
                 bias[most]
             );
-            return Judgement::new(&Refinement, false, reason, &metrics);
+            return Judgement::new(Gate::Refinement, false, reason, &metrics);
         }
-        let mut judgement = Judgement::new(&Refinement, true, steps.to_owned(), &metrics);
+        let mut judgement = Judgement::new(Gate::Refinement, true, steps.to_owned(), &metrics);
         if widest > WIDEST {
             let undecided = Undecided::Step(widest);
             judgement.reason.push_str(&format!("; {undecided}"));

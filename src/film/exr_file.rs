@@ -8,7 +8,6 @@ use super::error::{check_claim, check_size};
 use super::exr_completeness::{check_blocks, check_headers, unreadable};
 use super::exr_layers::{Colours, ExrPart, ExrParts, main_layer, name_of, samples_of};
 use super::exr_meaning::{check_opacity, check_part, check_parts, check_primaries};
-use super::reading::{Overflow, Reading};
 use super::{Film, FilmError, Noise};
 use crate::files::decoder;
 use exr::meta::MetaData;
@@ -127,17 +126,11 @@ fn picture(file: &ExrParts, colours: &Colours) -> Result<Film, FilmError> {
     let frame = PixelWindow::of(colours.part, file)?;
     check_opacity(colours)?;
     check_primaries(colours, file)?;
-    let mut reading = Reading::default();
-    if let Some(layer) = &colours.unusual_layer {
-        reading
-            .changes
-            .push(format!("was read from the layer {layer}"));
-    }
+    let layer = colours.unusual_layer.iter();
+    let changes_on_reading = layer
+        .map(|layer| format!("was read from the layer {layer}"))
+        .collect();
     let radiance = pixels(colours.rgb);
-    let mut channels = colours.rgb.iter().chain(&colours.opacity);
-    if channels.any(|of| has_infinite_halves(of)) {
-        reading.overflow = Some(Overflow::Half);
-    }
     let noise = noise(colours, file)?;
     let samples = match &noise {
         Some(noise) => Some(noise.samples),
@@ -154,7 +147,7 @@ fn picture(file: &ExrParts, colours: &Colours) -> Result<Film, FilmError> {
             ..noise
         }),
         samples: samples.map(u64::from),
-        reading,
+        changes_on_reading,
         quantisation: None,
         depth: colours.depth.map(|depth| frame.cut(floats(depth))),
     })
@@ -164,10 +157,6 @@ fn picture(file: &ExrParts, colours: &Colours) -> Result<Film, FilmError> {
 pub(super) fn pixels(rgb: [&FlatSamples; 3]) -> Vec<[f32; 3]> {
     let [r, g, b] = rgb.map(floats);
     (0..r.len()).map(|i| [r[i], g[i], b[i]]).collect()
-}
-
-fn has_infinite_halves(samples: &FlatSamples) -> bool {
-    matches!(samples, FlatSamples::F16(values) if values.iter().any(|value| value.is_infinite()))
 }
 
 /// All parts of a file that is neither too large nor of a kind that cannot be used.

@@ -15,7 +15,6 @@ mod pfm_file;
 mod png_file;
 mod primaries;
 mod quantisation;
-mod reading;
 mod replicates;
 
 use crate::math::Moments;
@@ -29,9 +28,7 @@ pub use layered_file::LayeredFilm;
 pub use noise::Noise;
 use noise::is_sound;
 pub(crate) use npy_file::{NpyHeader, npy_header};
-pub use quantisation::{Bits, Encoding, NoCode, Origin, Quantisation};
-pub use reading::Overflow;
-use reading::Reading;
+pub use quantisation::{Bits, Encoding, Origin, Quantisation};
 
 /// Names of the channels of a pixel.
 pub const CHANNELS: [&str; 3] = ["red", "green", "blue"];
@@ -47,7 +44,7 @@ pub struct Film {
     noise: Option<Noise>,
     samples: Option<u64>,
     depth: Option<Vec<f32>>,
-    reading: Reading,
+    changes_on_reading: Vec<String>,
     /// The rounding of its values, where it is read or declared.
     quantisation: Option<Quantisation>,
 }
@@ -70,7 +67,7 @@ impl Film {
             noise: None,
             samples: None,
             depth: None,
-            reading: Reading::default(),
+            changes_on_reading: Vec::new(),
             quantisation: None,
         }
     }
@@ -337,18 +334,7 @@ impl Film {
     /// Changes of the pixels on reading, as ends of a sentence about the image: the choice of a layer, a
     /// scale.
     pub fn changes_on_reading(&self) -> &[String] {
-        &self.reading.changes
-    }
-
-    /// The type of number whose range a value left in the file; only of films with infinite values.
-    pub fn overflow(&self) -> Option<Overflow> {
-        self.reading.overflow
-    }
-
-    /// True if the byte order that the file states is likely wrong; [`Film::changes_on_reading`] says
-    /// so, too.
-    pub fn is_swapped(&self) -> bool {
-        self.reading.is_swapped
+        &self.changes_on_reading
     }
 
     /// Noise of the radiance, if it is a mean of random samples.

@@ -6,7 +6,6 @@
 //! Source: <https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html>.
 
 use super::error::check_size;
-use super::reading::{Overflow, Reading};
 use super::{Film, FilmError};
 use half::f16;
 use serde::Deserialize;
@@ -59,19 +58,17 @@ impl Film {
             };
             number.read(&data[index * number.bytes..][..number.bytes])
         };
-        let reading = Reading {
-            overflow: number.overflow(data),
-            ..Reading::default()
-        };
         let positions = (0..height).flat_map(|row| (0..width).map(move |column| (row, column)));
         if channels == 4 {
             let pixel = |(row, column)| [0, 1, 2, 3].map(|c| value(row, column, c));
-            let film = Film::with_opacity(width, height, positions.map(pixel).collect());
-            return Ok(Film { reading, ..film });
+            return Ok(Film::with_opacity(
+                width,
+                height,
+                positions.map(pixel).collect(),
+            ));
         }
         let pixel = |(row, column)| [0, 1, 2].map(|c| value(row, column, c % channels));
-        let film = Film::new(width, height, positions.map(pixel).collect());
-        Ok(Film { reading, ..film })
+        Ok(Film::new(width, height, positions.map(pixel).collect()))
     }
 
     /// The image as a NumPy array, float32, of shape (height, width, 3), or (height, width, 4) with
@@ -219,34 +216,13 @@ impl NpyNumber {
         Ok(NpyNumber { bytes, big_endian })
     }
 
-    /// Its bytes, the lowest first.
-    fn little(&self, bytes: &[u8]) -> [u8; 8] {
+    /// The number as 32-bit float, to the nearest; infinite beyond its range.
+    fn read(&self, bytes: &[u8]) -> f32 {
         let mut little = [0; 8];
         little[..self.bytes].copy_from_slice(bytes);
         if self.big_endian {
             little[..self.bytes].reverse();
         }
-        little
-    }
-
-    /// The type whose range a number of `data` left, where one is infinite.
-    fn overflow(&self, data: &[u8]) -> Option<Overflow> {
-        let mut numbers = data.chunks_exact(self.bytes);
-        let is_infinite = |number: &[u8]| self.read(number).is_infinite();
-        match self.bytes {
-            2 => numbers.any(is_infinite).then_some(Overflow::Half),
-            8 => numbers
-                .any(|bytes| {
-                    is_infinite(bytes) && f64::from_le_bytes(self.little(bytes)).is_finite()
-                })
-                .then_some(Overflow::Single),
-            _ => None,
-        }
-    }
-
-    /// The number as 32-bit float, to the nearest; infinite beyond its range.
-    fn read(&self, bytes: &[u8]) -> f32 {
-        let little = self.little(bytes);
         let [a, b, c, d, ..] = little;
         match self.bytes {
             2 => f16::from_le_bytes([a, b]).to_f32(),

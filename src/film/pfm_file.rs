@@ -7,7 +7,6 @@
 //! Source: P. Debevec, <https://www.pauldebevec.com/Research/HDR/PFM/>.
 
 use super::error::check_size;
-use super::reading::Overflow;
 use super::{Film, FilmError};
 
 fn unreadable(reason: impl Into<String>) -> FilmError {
@@ -97,16 +96,11 @@ impl Film {
         let mut film = Film::new(width, height, pixels.map(colour).collect());
         if factor != 1.0 {
             let change = format!("was multiplied by {factor}, the magnitude of its scale");
-            film.reading.changes.push(change);
-            let mut stored = numbers.iter().map(stored);
-            if stored.any(|value| value.is_finite() && (value * factor).is_infinite()) {
-                film.reading.overflow = Some(Overflow::Scale);
-            }
+            film.changes_on_reading.push(change);
         }
         let mut swapped = numbers.iter().map(|bytes| number(bytes, !is_little));
         if numbers.iter().map(stored).any(is_strange) && swapped.all(is_ordinary) {
-            film.reading.is_swapped = true;
-            film.reading.changes.push(format!(
+            film.changes_on_reading.push(format!(
                 "has values of ordinary size only in the other byte order than its scale {text} states: a \
                  negative scale is little-endian, a positive one big-endian"
             ));

@@ -10,7 +10,6 @@ use std::borrow::Cow;
 use std::collections::BTreeSet;
 use std::fmt;
 use std::str::FromStr;
-use thiserror::Error;
 
 /// Curve from linear light to codes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -97,7 +96,7 @@ impl Bits {
     ///
     /// Where they are neither: nothing was rounded that half a code could excuse. A mean of several renderings and what
     /// was blended from codes is none; such are taken for linear ones unless declared otherwise.
-    pub fn of_radiance(self, film: &Film, exposure: f64) -> Result<Quantisation, NoCode> {
+    pub fn of_radiance(self, film: &Film, exposure: f64) -> Result<Quantisation, String> {
         let curves = candidates(exposure)
             .filter(|found| self.encoding.is_none_or(|of| of == found.encoding));
         let origin = Origin::Declared;
@@ -117,7 +116,7 @@ impl Bits {
         // The curve that holds longest is the one that was meant.
         let fault = faults.into_iter().max_by_key(|(at, _)| *at);
         if let Some((at, curve)) = fault.filter(|_| !is_mean && !self.blended) {
-            return Err(NoCode::at(at, film, curve));
+            return Err(curve.no_code_in_words(at, film));
         }
         // Pixels that all of the renderings cut off have the largest.
         let brightest = film.brightest();
@@ -138,36 +137,6 @@ impl Bits {
             exposure,
             origin: Origin::Png,
             blended: self.blended,
-        }
-    }
-}
-
-/// A value that is no code of 8 bits, in an image that is declared to hold such.
-#[derive(Clone, Debug, Error, PartialEq)]
-#[error(
-    "--bits declares codes of 8 bits, but {channel} in column {column} of row {row} is {value}, which is {code:.2} of 255; \
-     leave --bits out for an image that was not rounded, or write codes divided by 255"
-)]
-pub struct NoCode {
-    value: f32,
-    channel: &'static str,
-    column: usize,
-    row: usize,
-    /// Its place among the codes.
-    code: f64,
-}
-
-impl NoCode {
-    /// The value at `index` of all values of `film`, by `curve`.
-    fn at(index: usize, film: &Film, curve: Quantisation) -> NoCode {
-        let value = film.radiance().as_flattened()[index];
-        let pixel = index / CHANNELS.len();
-        NoCode {
-            value,
-            channel: CHANNELS[index % CHANNELS.len()],
-            column: pixel % film.width(),
-            row: pixel / film.width(),
-            code: curve.code(value.into()),
         }
     }
 }
@@ -251,6 +220,19 @@ impl Quantisation {
     fn no_code(&self, film: &Film) -> Option<usize> {
         let mut values = film.radiance().as_flattened().iter();
         values.position(|&value| value.is_finite() && self.level(value).is_none())
+    }
+
+    /// Sentence on the value at `index` of all values of `film`, which is no code.
+    fn no_code_in_words(&self, index: usize, film: &Film) -> String {
+        let value = film.radiance().as_flattened()[index];
+        let (pixel, channel) = (index / CHANNELS.len(), CHANNELS[index % CHANNELS.len()]);
+        format!(
+            "--bits declares codes of 8 bits, but {channel} in column {} of row {} is {value}, which is {:.2} of 255; leave \
+             --bits out for an image that was not rounded, or write codes divided by 255",
+            pixel % film.width(),
+            pixel / film.width(),
+            self.code(value.into())
+        )
     }
 
     /// Place of a radiance among the codes; above the largest where it is cut off.

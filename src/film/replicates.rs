@@ -1,7 +1,6 @@
 //! Independent renderings of one image, combined into an image with noise.
 
 use super::noise::NoiseOrigin;
-use super::reading::Reading;
 use super::{Film, FilmError};
 
 impl Film {
@@ -50,9 +49,9 @@ impl Film {
         });
         let mut film = Film::with_noise(first.width, first.height, radiance, variance, numbers);
         film.opacity = opacity;
-        let mut changed = films.iter().map(|film| &film.reading);
-        let changed = changed.find(|reading| **reading != Reading::default());
-        film.reading = changed.cloned().unwrap_or_default();
+        let mut changed = films.iter().map(|film| &film.changes_on_reading);
+        let changed = changed.find(|changes| !changes.is_empty());
+        film.changes_on_reading = changed.cloned().unwrap_or_default();
         film.samples = films.iter().map(Film::samples).sum();
         if let Some(noise) = &mut film.noise
             && is_of_renderings

@@ -1,6 +1,5 @@
 //! Contents of a report on a case beside its result.
 
-use super::measured::decoded;
 use crate::compare::Picture;
 use crate::film::Film;
 use crate::suite::Case;
@@ -66,9 +65,10 @@ impl Evidence {
     pub fn images(&self) -> Vec<Film> {
         match &self.test {
             _ if !self.refined.is_empty() => self.refined.clone(),
-            Some(Picture::Radiance(film)) => vec![film.clone()],
-            Some(Picture::Codes(codes)) => vec![decoded(codes, self.exposure)],
-            None => Vec::new(),
+            test => test
+                .iter()
+                .map(|picture| picture.film(self.exposure))
+                .collect(),
         }
     }
 }

@@ -1,5 +1,6 @@
 //! A result with its evidence, and the golden that a case is compared with.
 
+use super::nothing_drawn::shows_nothing;
 use super::{CaseResult, Cause, Evidence, Verdict};
 use crate::compare::{Conditions, Judgement, Picture, Sensitivity};
 use crate::conventions::Profile;
@@ -119,15 +120,22 @@ impl CheckedGolden {
     }
 
     /// The scene under the conventions of `profile`, with its image in place of the golden; unchanged
-    /// where there is no classified volume.
+    /// where there is no classified volume. Refused where nothing of the scene is left to see.
     pub fn under(mut self, profile: &Profile) -> Result<CheckedGolden, CaseResult> {
         let failed = |reason| CaseResult::new(Verdict::Error, Cause::BadInput, reason);
         let Some(scene) = profile.applied_to(&self.scene).map_err(failed)? else {
             return Ok(self);
         };
         let rendering = render(&plans(&scene), Sampling::default(), &|| ());
-        let rendering = rendering.map_err(|error| failed(error.to_string()))?;
-        self.golden.film = rendering.film;
+        let film = rendering.map_err(|error| failed(error.to_string()))?.film;
+        if shows_nothing(&film, &scene) && !shows_nothing(&self.golden.film, &scene) {
+            return Err(failed(format!(
+                "the profile {} leaves nothing of this scene to see: an image of the background alone would pass; correct \
+                 the profile, or leave out the case",
+                profile.name
+            )));
+        }
+        self.golden.film = film;
         self.scene = scene;
         self.profile = Some(profile.name.clone());
         Ok(self)

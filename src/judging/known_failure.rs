@@ -1,6 +1,7 @@
 //! How a result fails: what an entry of a file of known failures states of it.
 
 use super::{CaseResult, Cause, Verdict};
+use crate::compare::Gate;
 use crate::compare::deterministic::{FAR_SHARE, HARD_CAP, OUTLIERS};
 use crate::compare::perceptual::{MOST_MEAN, MOST_P99};
 use crate::conventions::{CATALOGUE, Profile};
@@ -72,14 +73,14 @@ impl Size {
                 least: least? - margin,
             })
         };
-        let (worst, share, margin) = match result.gate.name() {
+        let (worst, share, margin) = match result.gate {
             _ if result.verdict != Verdict::Fail => return [None; 2],
-            "stochastic" => return [Size::of_mean(result), None],
-            "perceptual" => {
+            Gate::Stochastic => return [Size::of_mean(result), None],
+            Gate::Perceptual => {
                 let p99 = size("flip_weighted_p99", "flip_weighted_p99", MOST_P99);
                 return [p99, size("flip_mean", "flip_mean", MOST_MEAN)];
             }
-            "deterministic" => ("worst_in_tolerances", "outlier_share", HARD_CAP),
+            Gate::Deterministic => ("worst_in_tolerances", "outlier_share", HARD_CAP),
             // The pixel agrees within one width of its interval.
             _ => ("worst_off_limit", "share_off_limit", 1.0),
         };

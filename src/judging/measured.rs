@@ -4,10 +4,9 @@
 //! holds for all of the image.
 
 use crate::compare::coarse::Coarse;
-use crate::compare::flip::SrgbImage;
 use crate::compare::unexplained::{UNEXPLAINED, UNEXPLAINED_IN_NOISE, makes_what_shows};
 use crate::compare::{Conditions, Picture, default_gate, judge};
-use crate::film::{Bits, Film, Origin, Quantisation};
+use crate::film::{Film, Origin, Quantisation};
 use crate::math;
 use crate::suite::Case;
 use crate::variations::edited_film::mapped;
@@ -61,12 +60,6 @@ pub(crate) fn is_of_png(picture: &Picture) -> bool {
             .quantisation()
             .is_some_and(|it| it.origin == Origin::Png),
     }
-}
-
-/// The radiance that 8-bit codes stand for, at `exposure` stops.
-pub(crate) fn decoded(codes: &SrgbImage, exposure: f64) -> Film {
-    let quantisation = Bits::UNKNOWN.of_png(exposure);
-    quantisation.decoded(codes.width(), codes.height(), codes.pixels())
 }
 
 fn another_exposure(factor: f64) -> String {
@@ -162,10 +155,7 @@ fn number(value: f64) -> String {
 /// The simplest map of the golden after which the gate of the case cannot tell it from `picture`.
 fn simple_map(case: &Case, golden: &Film, picture: &Picture) -> Option<Map> {
     let is_sampled = case.sampling.is_some();
-    let (test, is_of_codes) = match picture {
-        Picture::Radiance(test) => (test.clone(), false),
-        Picture::Codes(codes) => (decoded(codes, case.exposure), true),
-    };
+    let (test, is_of_codes) = (picture.film(case.exposure), picture.radiance().is_none());
     if !golden.is_comparable(&test) {
         return None;
     }
@@ -269,14 +259,14 @@ fn maps(golden: &Film, test: &Film) -> Option<Vec<Map>> {
 }
 
 /// Adds a point to weighted sums of 1, x, y, x² and x y.
-fn add(sums: &mut [f64; 5], weight: f64, [x, y]: [f64; 2]) {
+pub(super) fn add(sums: &mut [f64; 5], weight: f64, [x, y]: [f64; 2]) {
     for (sum, value) in sums.iter_mut().zip([1.0, x, y, x * x, x * y]) {
         *sum += weight * value;
     }
 }
 
 /// Slope and offset of the line nearest to points, by such sums.
-fn line([weights, x, y, xx, xy]: [f64; 5]) -> [f64; 2] {
+pub(super) fn line([weights, x, y, xx, xy]: [f64; 5]) -> [f64; 2] {
     let slope = (weights * xy - x * y) / (weights * xx - x * x);
     [slope, (y - slope * x) / weights]
 }
@@ -284,6 +274,8 @@ fn line([weights, x, y, xx, xy]: [f64; 5]) -> [f64; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::compare::flip::SrgbImage;
+    use crate::film::Bits;
     use crate::suite::Suite;
     use std::path::Path;
 
@@ -379,7 +371,7 @@ mod tests {
             let codes = Film::new(32, 24, pixels).srgb_codes(case.exposure);
             let codes = SrgbImage::new(32, 24, codes).unwrap();
             // Judged by how it looks, and as radiance.
-            let radiance = Picture::Radiance(decoded(&codes, case.exposure));
+            let radiance = Picture::Radiance(Picture::Codes(codes.clone()).film(case.exposure));
             let [said, of_radiance] = [Picture::Codes(codes), radiance].map(|picture| {
                 let said = measured(&case, &golden, &picture).join("; ");
                 let is_said = simple(&case, &golden, &picture).is_some_and(|map| map.is_gain);

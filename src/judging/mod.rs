@@ -32,10 +32,8 @@ pub(crate) use known_file::KnownFailures;
 pub(crate) use more_samples::MoreSamples;
 pub use more_samples::is_open;
 pub(crate) use precision::before_background;
-pub(crate) use precision::radiance_of_codes;
 pub use precision::{declared, radiance};
 pub(crate) use random_samples::within;
-pub(crate) use results::Summary;
 pub use results::{CaseResult, Cause, Verdict, metric_meaning};
 pub(crate) use self_test::{
     CaseTrials, MistakeTrials, SelfTest, SelfTestCases, SelfTestExtent, Step, Trial, case_trials,

@@ -3,13 +3,10 @@
 //! Such an image agrees with any other dark one, so that it has no other cause: nothing is measured of it, and nothing
 //! is searched.
 
-use super::measured::decoded;
-use super::precision::known;
+use crate::compare::Picture;
 use crate::compare::deterministic::tolerance;
-use crate::compare::flip::SrgbImage;
 use crate::compare::opacity;
 use crate::compare::unexplained::{UNEXPLAINED, squared_difference};
-use crate::compare::{Conditions, Picture, default_gate, judge};
 use crate::film::Film;
 use crate::math;
 use crate::scene::{Model, Scene};
@@ -46,10 +43,7 @@ pub(crate) fn nothing_drawn(
     golden: &Film,
     picture: &Picture,
 ) -> Option<String> {
-    let film = match picture {
-        Picture::Radiance(film) => film.clone(),
-        Picture::Codes(codes) => decoded(codes, case.exposure),
-    };
+    let film = picture.film(case.exposure);
     let background = background(scene).filter(|background| background.is_comparable(&film))?;
     if !is_opacity_empty(&film) {
         return None;
@@ -58,15 +52,14 @@ pub(crate) fn nothing_drawn(
     let black = mapped(&background, |_, _| (0.0, 0.0));
     // Some programs leave the background out.
     let empty = [
-        (&background, of_scene.as_str(), "the background"),
+        (&background, &*of_scene, "the background"),
         (&black, "black", "black"),
     ];
-    let same = empty.iter().find(|(empty, ..)| is_same(&film, empty));
-    if let Some((_, is, _)) = same {
-        return Some(format!("nothing was drawn: every pixel is {is}"));
-    }
-    empty.iter().find_map(|(empty, _, from)| {
-        let most = largest_within_tolerance(&film, empty)?;
+    empty.into_iter().find_map(|(empty, is, from)| {
+        let most = largest_difference(&film, empty)?;
+        if most == 0.0 {
+            return Some(format!("nothing was drawn: every pixel is {is}"));
+        }
         let [shown, lacking] = [empty, golden].map(|of| squared_difference(of, &film));
         (lacking > 0.0 && shown <= UNEXPLAINED * lacking).then(|| {
             format!(
@@ -77,64 +70,27 @@ pub(crate) fn nothing_drawn(
     })
 }
 
-/// True if `film` is `empty` but for the rounding of a file.
-fn is_same(film: &Film, empty: &Film) -> bool {
-    let rounded = film.quantisation().map(|it| it.rounded(empty));
-    let is_near = |(a, b): (&f32, &f32)| f64::from((a - b).abs()) <= ROUNDING * f64::from(*b);
-    let mut values = values_of(film).zip(values_of(rounded.as_ref().unwrap_or(empty)));
-    values.all(is_near)
-}
-
-/// Largest difference of a value of `film` from `empty`; `None` if one is larger than its tolerance and a code.
-fn largest_within_tolerance(film: &Film, empty: &Film) -> Option<f64> {
+/// Largest difference of a value of `film` from `empty`, 0 where all are the same but for the rounding of a file; `None`
+/// if one is larger than its tolerance and a code.
+fn largest_difference(film: &Film, empty: &Film) -> Option<f64> {
     let codes = film.quantisation();
-    let mut most = 0.0_f64;
+    let (mut most, mut is_same) = (0.0_f64, true);
     for (&value, &nothing) in values_of(film).zip(values_of(empty)) {
         let [value, nothing] = [value, nothing].map(f64::from);
-        let code = codes.map_or(0.0, |it| 2.0 * it.half_code(nothing));
+        let half_code = codes.map_or(0.0, |it| it.half_code(nothing));
         let off = (value - nothing).abs();
-        if off > tolerance(nothing) + code {
+        if off > tolerance(nothing) + 2.0 * half_code {
             return None;
         }
+        is_same &= off <= ROUNDING * nothing + 1.001 * half_code;
         most = most.max(off);
     }
-    Some(most)
+    Some(if is_same { 0.0 } else { most })
 }
 
-/// True if the background of `scene` would pass for `right`, its image under a profile, and not for its `golden`: then the
-/// profile leaves nothing to judge. The background is taken as a file like that of `picture` holds it.
-pub(super) fn is_emptied(
-    case: &Case,
-    scene: &Scene,
-    [golden, right]: [&Film; 2],
-    picture: &Picture,
-) -> bool {
-    let Some(background) = background(scene).map(Film::without_opacity) else {
-        return false;
-    };
-    let empty = match picture {
-        Picture::Radiance(film) => {
-            let rounded = film.quantisation().map(|it| it.rounded(&background));
-            Picture::Radiance(rounded.unwrap_or(background))
-        }
-        Picture::Codes(_) => {
-            let codes = background.srgb_codes(case.exposure);
-            let codes = SrgbImage::new(background.width(), background.height(), codes);
-            let Ok(codes) = codes else { return false };
-            known(case, right, Picture::Codes(codes))
-        }
-    };
-    let passes = |right: &Film| {
-        let right = Picture::Radiance(right.clone());
-        let conditions = Conditions {
-            exposure: case.exposure,
-            in_single_precision: true,
-            ..Conditions::default()
-        };
-        let (gate, _) = default_gate(&right, &empty);
-        judge(gate, &right, &empty, &conditions).is_ok_and(|judgement| judgement.passed)
-    };
-    passes(right) && !passes(golden)
+/// True if `film`, an image of `scene`, is its background within the tolerance of each pixel.
+pub(super) fn shows_nothing(film: &Film, scene: &Scene) -> bool {
+    background(scene).is_some_and(|empty| largest_difference(film, &empty).is_some())
 }
 
 /// True if `film` states no opacity, or one of nothing.

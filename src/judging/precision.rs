@@ -1,8 +1,7 @@
 //! Images as they are declared: of 8 bits, or without the background of their scene.
 
-use crate::compare::flip::SrgbImage;
 use crate::compare::{Picture, recognised};
-use crate::film::{Alpha, Bits, Encoding, Film, NoCode, Origin, Quantisation};
+use crate::film::{Alpha, Bits, Encoding, Film, Origin, Quantisation};
 use crate::scene::{Model, Scene};
 use crate::suite::{Case, Output};
 
@@ -15,7 +14,7 @@ pub fn declared(output: Output, bits: Option<Bits>, case: &Case) -> Output {
     let declared = match output {
         Output::Picture(picture) => of(*picture).map(|picture| Output::Picture(Box::new(picture))),
         Output::Refined(pictures) => {
-            let pictures: Result<_, NoCode> = pictures.into_iter().map(of).collect();
+            let pictures: Result<_, String> = pictures.into_iter().map(of).collect();
             pictures.map(Output::Refined)
         }
         other => Ok(other),
@@ -89,29 +88,20 @@ fn backgrounds(scene: &Scene) -> Vec<[f64; 3]> {
 /// # Errors
 ///
 /// If a value is no code of these bits.
-pub fn radiance(picture: Picture, bits: Bits, exposure: f64) -> Result<Film, NoCode> {
+pub fn radiance(picture: Picture, bits: Bits, exposure: f64) -> Result<Film, String> {
     match picture {
         Picture::Radiance(film) if film.quantisation().is_some() => Ok(film),
         Picture::Radiance(film) => {
             let quantisation = bits.of_radiance(&film, exposure)?;
             Ok(film.quantised(quantisation))
         }
-        Picture::Codes(codes) => Ok(radiance_of_codes(&codes, bits, exposure)),
+        Picture::Codes(codes) => Ok(codes.radiance(bits, exposure)),
     }
-}
-
-/// The radiance of codes of these bits at `exposure` stops.
-pub(crate) fn radiance_of_codes(codes: &SrgbImage, bits: Bits, exposure: f64) -> Film {
-    let quantisation = bits.of_png(exposure);
-    quantisation.decoded(codes.width(), codes.height(), codes.pixels())
 }
 
 /// The radiance of an image of `case`, with what is known of its precision; of a PNG that of its sRGB codes.
 pub(super) fn known_radiance(case: &Case, golden: &Film, picture: Picture) -> Film {
-    match picture {
-        Picture::Radiance(film) => recognised(golden, film, case.exposure),
-        Picture::Codes(codes) => radiance_of_codes(&codes, Bits::UNKNOWN, case.exposure),
-    }
+    recognised(golden, picture.film(case.exposure), case.exposure)
 }
 
 /// Another way to read an image.
@@ -192,10 +182,7 @@ fn without_background(film: &Film, scene: &Scene) -> Vec<Reading> {
 
 /// The codes of a PNG taken for those of the other curve.
 fn other_encoding(case: &Case, picture: &Picture) -> Option<Reading> {
-    let film = match picture {
-        Picture::Radiance(film) => film.clone(),
-        Picture::Codes(codes) => radiance_of_codes(codes, Bits::UNKNOWN, case.exposure),
-    };
+    let film = picture.film(case.exposure);
     let quantisation = film.quantisation().filter(|it| it.origin == Origin::Png)?;
     let encoding = match quantisation.encoding {
         Encoding::Linear => Encoding::Srgb,

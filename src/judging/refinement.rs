@@ -3,8 +3,7 @@
 use super::finding::CheckedGolden;
 use super::random_samples;
 use crate::compare::{
-    self as gate, Conditions, Deterministic, Judgement, Limit, Picture, judge_one_step,
-    judge_refinement,
+    self as gate, Conditions, Gate, Judgement, Limit, Picture, judge_one_step, judge_refinement,
 };
 use crate::film::Film;
 use crate::render::{plans, render};
@@ -55,7 +54,7 @@ pub fn judge_under_profile(
             _ => rendered(&scene, |_| {}),
         });
         let right = Picture::Radiance(right);
-        let judged = gate::judge(&Deterministic, &right, &test, conditions);
+        let judged = gate::judge(Gate::Deterministic, &right, &test, conditions);
         let mut judgement = judged.expect("both are radiance without noise");
         if !judgement.passed {
             let step = match halvings {

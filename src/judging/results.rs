@@ -1,10 +1,9 @@
 //! Results of cases.
 
 use super::known::{Known, KnownStatus};
-use crate::compare::{self, Detectable, Exact, GATES, Gate, Metric, NumberChange, Refinement};
+use crate::compare::{self, Detectable, Gate, Metric, NumberChange};
 use crate::suite::OF_TOLERANCE;
-use serde::de::Error;
-use serde::{Deserialize, Deserializer, Serialize};
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 /// The metric of a stochastic case beside those of the gate.
@@ -32,18 +31,25 @@ pub enum Verdict {
 }
 
 impl Verdict {
+    /// All of them, with the word used in JSON and on the terminal, and the one after a number of cases.
+    pub(crate) const ALL: [(Verdict, &str, &str); 6] = [
+        (Verdict::Pass, "pass", "passed"),
+        (Verdict::Fail, "fail", "failed"),
+        (Verdict::Convention, "convention", "by convention"),
+        (Verdict::Inconclusive, "inconclusive", "inconclusive"),
+        (Verdict::Missing, "missing", "missing"),
+        (Verdict::Error, "error", "errors"),
+    ];
+
     /// The word used in JSON and on the terminal.
     pub fn name(self) -> &'static str {
-        // In the order of the variants.
-        const NAMES: [&str; 6] = [
-            "pass",
-            "fail",
-            "convention",
-            "inconclusive",
-            "missing",
-            "error",
-        ];
-        NAMES[self as usize]
+        Verdict::ALL[self as usize].1
+    }
+
+    /// The number of `results` with this verdict.
+    pub(crate) fn count(self, results: &[CaseResult]) -> usize {
+        let such = results.iter().filter(|result| result.verdict == self);
+        such.count()
     }
 }
 
@@ -67,15 +73,6 @@ pub enum Cause {
     BadInput,
 }
 
-/// The rule that is written as its name.
-fn gate_named<'de, D: Deserializer<'de>>(from: D) -> Result<&'static dyn Gate, D::Error> {
-    let name = String::deserialize(from)?;
-    let gates = GATES.into_iter().map(|gate| gate as &'static dyn Gate);
-    let mut gates = gates.chain([&Refinement as &dyn Gate]);
-    let found = gates.find(|gate| gate.name() == name);
-    found.ok_or_else(|| D::Error::custom(format!("there is no gate {name:?}")))
-}
-
 /// The outcome of one case.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct CaseResult {
@@ -90,8 +87,7 @@ pub struct CaseResult {
     /// Numbers by name, all finite.
     pub metrics: BTreeMap<String, f64>,
     /// The rule applied.
-    #[serde(deserialize_with = "gate_named")]
-    pub gate: &'static dyn Gate,
+    pub gate: Gate,
     /// Reason in words.
     pub reason: String,
     /// Notes beside the verdict.
@@ -145,7 +141,7 @@ impl CaseResult {
             class: String::new(),
             verdict,
             metrics: BTreeMap::new(),
-            gate: &Exact,
+            gate: Gate::Exact,
             reason: reason.into(),
             notes: Vec::new(),
             conventions: Vec::new(),
@@ -165,7 +161,7 @@ impl CaseResult {
     }
 
     /// This result as that of a case of this name and class, judged by `gate`.
-    pub(crate) fn of_case(self, name: &str, class: &str, gate: &'static dyn Gate) -> CaseResult {
+    pub(crate) fn of_case(self, name: &str, class: &str, gate: Gate) -> CaseResult {
         CaseResult {
             family: name.split('/').next().unwrap_or_default().to_owned(),
             name: name.to_owned(),
@@ -183,54 +179,6 @@ impl CaseResult {
             Some(known) if known.is_outdated() => self.cause.max(Cause::Mismatch),
             _ => self.cause,
         }
-    }
-}
-
-/// Number of cases by verdict.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
-pub(crate) struct Summary {
-    /// Compared, and right.
-    pub pass: usize,
-    /// Compared, and wrong.
-    pub fail: usize,
-    /// Compared, and right under other conventions.
-    pub convention: usize,
-    /// Compared, and not decided.
-    pub inconclusive: usize,
-    /// Nothing to compare with.
-    pub missing: usize,
-    /// Could not be compared.
-    pub error: usize,
-}
-
-impl Summary {
-    /// Counts the verdicts of `results`.
-    pub fn of(results: &[CaseResult]) -> Summary {
-        let count = |verdict| {
-            let such = results.iter().filter(|result| result.verdict == verdict);
-            such.count()
-        };
-        Summary {
-            pass: count(Verdict::Pass),
-            fail: count(Verdict::Fail),
-            convention: count(Verdict::Convention),
-            inconclusive: count(Verdict::Inconclusive),
-            missing: count(Verdict::Missing),
-            error: count(Verdict::Error),
-        }
-    }
-
-    /// The counts with their words.
-    pub fn in_words(&self) -> [(usize, &'static str); 6] {
-        let errors = if self.error == 1 { "error" } else { "errors" };
-        [
-            (self.pass, "passed"),
-            (self.fail, "failed"),
-            (self.convention, "by convention"),
-            (self.inconclusive, "inconclusive"),
-            (self.missing, "missing"),
-            (self.error, errors),
-        ]
     }
 }
 

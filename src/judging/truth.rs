@@ -2,7 +2,7 @@
 
 use super::finding::MOST_CASES;
 use crate::compare::Margin;
-use crate::compare::{Conditions, Deterministic, Judgement, Picture, judge, stochastic};
+use crate::compare::{Conditions, Gate, Judgement, Picture, judge, stochastic};
 use crate::film::Film;
 use crate::known_answers::KnownImage;
 use crate::suite::Case;
@@ -22,7 +22,7 @@ pub(crate) fn judge_by_truth(case: &Case, known: &KnownImage, film: &Film) -> Ju
     }
     let pictures = [&known.film, film].map(|film| Picture::Radiance(film.clone()));
     let mut judgement = judge(
-        &Deterministic,
+        Gate::Deterministic,
         &pictures[0],
         &pictures[1],
         &Conditions::default(),

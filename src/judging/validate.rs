@@ -4,13 +4,12 @@ use super::decide::cases_at;
 use super::depth::{self, DepthComparison};
 use super::finding::{CheckedGolden, MOST_CASES};
 use super::measured::{SimpleMap, codes_in_words, is_of_png, simple};
-use super::nothing_drawn::{is_emptied, nothing_drawn};
+use super::nothing_drawn::nothing_drawn;
 use super::precision::{before_background, known, known_radiance, other_readings};
 use super::{CaseResult, Cause, Evidence, Judged, Verdict, random_samples, refinement};
 use crate::compare::depth::OUTLIERS_OF_DEPTH;
 use crate::compare::{
-    Deterministic, Gate, ImageGate, Judgement, Picture, Refinement, default_gate, judge,
-    precision_in_words, stochastic::is_off_by_noise,
+    Gate, Judgement, Picture, default_gate, judge, precision_in_words, stochastic::is_off_by_noise,
 };
 use crate::conventions::Profile;
 use crate::film::{Alpha, Film};
@@ -43,7 +42,7 @@ pub(crate) fn validate_at(
     let checked = checked.map(|checked| CheckedGolden { cases, ..checked });
     let has_image = matches!(output, Output::Picture(_) | Output::Refined(_));
     let checked = checked.and_then(|checked| match profile {
-        Some(profile) if has_image => under(profile, case, checked, &output),
+        Some(profile) if has_image => checked.under(profile),
         _ => Ok(checked),
     });
     let mut judged = match (output, checked) {
@@ -67,33 +66,6 @@ pub(crate) fn validate_at(
     };
     judged.result.seconds = start.elapsed().as_secs_f64();
     judged
-}
-
-/// `checked` under `profile`; refused where that leaves nothing of the scene to see, so that an empty `output` would pass.
-fn under(
-    profile: &Profile,
-    case: &Case,
-    checked: CheckedGolden,
-    output: &Output,
-) -> Result<CheckedGolden, CaseResult> {
-    let golden = checked.golden.film.clone();
-    let checked = checked.under(profile)?;
-    let picture = match output {
-        Output::Picture(picture) => Some(&**picture),
-        Output::Refined(images) => images.first(),
-        _ => None,
-    };
-    let films = [&golden, &checked.golden.film];
-    let is_empty = |picture| is_emptied(case, &checked.scene, films, picture);
-    if !picture.is_some_and(is_empty) {
-        return Ok(checked);
-    }
-    let reason = format!(
-        "the profile {} leaves nothing of this scene to see: an image of the background alone would pass; correct the \
-         profile, or leave out the case",
-        profile.name
-    );
-    Err(CaseResult::new(Verdict::Error, Cause::BadInput, reason))
 }
 
 /// Says of `judged`, an image of which colours are declared to be `alpha`, how they have to be declared to agree, if it is
@@ -159,14 +131,13 @@ pub(crate) fn validate_with(case: &Case, checked: &CheckedGolden, picture: Pictu
     let golden = Picture::Radiance(golden);
     // An image that states its noise is judged by the stochastic gate, even in a deterministic case.
     let (gate, _) = default_gate(&golden, &picture);
-    let has_step =
-        case.is_limit() && checked.profile.is_none() && gate.name() == Deterministic.name();
-    let (finding, gate): (_, &'static dyn Gate) = if has_step {
+    let has_step = case.is_limit() && checked.profile.is_none() && gate == Gate::Deterministic;
+    let (finding, gate) = if has_step {
         let image = picture.radiance().expect("the gate is one of radiance");
         let judgement = refinement::judge_one(checked, image);
         (
             with_words(case, checked, judgement, &picture, None),
-            &Refinement,
+            Gate::Refinement,
         )
     } else {
         (judged(case, gate, checked, &golden, &picture), gate)
@@ -249,15 +220,15 @@ fn validate_refined(case: &Case, checked: &CheckedGolden, images: Vec<Picture>) 
     let images = images.map(|image| known_radiance(case, &checked.golden.film, image));
     let images: Vec<Film> = images.collect();
     // Images that nobody sees, such as a limit by extrapolation, are evidence of nothing.
-    let (judgement, gate, seen): (_, &'static dyn Gate, _) = match checked.profile {
+    let (judgement, gate, seen) = match checked.profile {
         Some(_) => {
             let judgement =
                 refinement::judge_under_profile(checked, &images, &checked.conditions(case));
-            (judgement, &Deterministic, images.first())
+            (judgement, Gate::Deterministic, images.first())
         }
         None => (
             refinement::judge(checked, &images),
-            &Refinement,
+            Gate::Refinement,
             images.last(),
         ),
     };
@@ -303,7 +274,12 @@ fn is_noisy(case: &Case, checked: &CheckedGolden, picture: &Picture) -> bool {
         && golden.is_comparable(test);
     let agrees = || {
         let golden = Picture::Radiance(golden.clone());
-        let judged = judge(&Deterministic, &golden, picture, &checked.conditions(case));
+        let judged = judge(
+            Gate::Deterministic,
+            &golden,
+            picture,
+            &checked.conditions(case),
+        );
         judged.is_ok_and(|judged| judged.passed)
     };
     may_be && !agrees() && is_off_by_noise(golden, test)
@@ -337,7 +313,7 @@ fn agrees(case: &Case, checked: &CheckedGolden, film: &Film) -> bool {
 
 fn judged(
     case: &Case,
-    gate: &'static dyn ImageGate,
+    gate: Gate,
     checked: &CheckedGolden,
     golden: &Picture,
     picture: &Picture,
@@ -350,7 +326,7 @@ fn judged(
     };
     let stops = ["stops", "stop"][usize::from(case.exposure.abs() == 1.0)];
     let exposure = format!("; exposure of the case: {} {stops}", case.exposure);
-    let exposure = gate.depends_on_exposure().then_some(exposure);
+    let exposure = (gate == Gate::Perceptual).then_some(exposure);
     with_words(case, checked, judgement, picture, exposure)
 }
 

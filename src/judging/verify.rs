@@ -4,10 +4,7 @@ use super::finding::{CheckedGolden, MOST_CASES};
 use super::results::SAME_BITS;
 use super::truth::judge_by_truth;
 use super::{CaseResult, Cause, Evidence, Judged, Verdict};
-use crate::compare::{
-    Conditions, Deterministic, Exact, Gate, ImageGate, Judgement, Picture, Stochastic, judge,
-    stochastic,
-};
+use crate::compare::{Conditions, Gate, Judgement, Picture, judge, stochastic};
 use crate::film::Film;
 use crate::known_answers::Formula;
 use crate::render::{self, Detail, plans};
@@ -70,10 +67,10 @@ pub(crate) fn verify_with(
         Ok(finding)
     });
     let finding = finding.unwrap_or_else(|finding| finding);
-    let gate: &dyn Gate = match (case.sampling, case.truth) {
-        (Some(_), _) => &Stochastic,
-        (None, Some(_)) => &Deterministic,
-        (None, None) => &Exact,
+    let gate: Gate = match (case.sampling, case.truth) {
+        (Some(_), _) => Gate::Stochastic,
+        (None, Some(_)) => Gate::Deterministic,
+        (None, None) => Gate::Exact,
     };
     Judged {
         result: CaseResult {
@@ -143,7 +140,11 @@ pub(crate) fn without_case(suite: &Suite) -> Result<Vec<Judged>, SuiteError> {
     let reason =
         "this golden belongs to no case: restore the manifest, or remove the golden with it";
     let judged = |name: String| Judged {
-        result: CaseResult::new(Verdict::Error, Cause::Golden, reason).of_case(&name, "", &Exact),
+        result: CaseResult::new(Verdict::Error, Cause::Golden, reason).of_case(
+            &name,
+            "",
+            Gate::Exact,
+        ),
         evidence: Evidence::default(),
     };
     Ok(unknown.map(judged).collect())
@@ -166,7 +167,7 @@ fn compare(checked: &CheckedGolden, film: &Film) -> CaseResult {
         return finding;
     }
     let pictures = [&golden.film, film].map(|film| Picture::Radiance(film.clone()));
-    let gates: [&dyn ImageGate; 2] = [&Exact, &Deterministic];
+    let gates: [Gate; 2] = [Gate::Exact, Gate::Deterministic];
     let [exact, tolerant] = gates.map(|gate| {
         let judgement = judge(gate, &pictures[0], &pictures[1], &Conditions::default());
         judgement.expect("both images are radiance")

@@ -7,11 +7,11 @@ use super::convention_search::attempt::{LATTICE, MOST_OUTSIDE, Residual};
 use super::convention_search::images::Images;
 use super::likeness::{Stage, lattice_of, pixels_of};
 use crate::compare::unexplained::makes_what_shows;
-use crate::compare::{Conditions, Deterministic, Picture, judge};
+use crate::compare::{Conditions, Gate, Picture, judge};
 use crate::conventions::{Profile, bounds, scenes_by_chance};
 use crate::film::{Film, Origin, Quantisation};
 use crate::judging::nothing_drawn::background;
-use crate::judging::{Judged, Verdict, radiance_of_codes, validate, within};
+use crate::judging::{Judged, Verdict, validate, within};
 use crate::scene::Scene;
 use crate::suite::{Case, Output, Store};
 
@@ -101,7 +101,7 @@ fn are_alike(first: &Judged, second: &Judged) -> bool {
     let [Some(first), Some(second)] = [first, second].map(right) else {
         return false;
     };
-    let judgement = judge(&Deterministic, &first, &second, &Conditions::default());
+    let judgement = judge(Gate::Deterministic, &first, &second, &Conditions::default());
     judgement.is_ok_and(|judgement| judgement.passed)
 }
 
@@ -122,7 +122,7 @@ fn in_precision_of(profile: &Profile, picture: Picture, exposure: f64) -> Option
     let bits = profile.bits?;
     let film = match picture {
         Picture::Radiance(film) => film,
-        Picture::Codes(codes) => radiance_of_codes(&codes, bits, exposure),
+        Picture::Codes(codes) => codes.radiance(bits, exposure),
     };
     let of_codes = |it: Quantisation| it.encoding == bits.encoding.unwrap_or(it.encoding);
     let quantisation = match film.quantisation() {

@@ -120,7 +120,7 @@ fn test_case(result: &CaseResult) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::compare::Deterministic;
+    use crate::compare::Gate;
     use crate::files::visible::visible;
     use crate::judging::Cause;
 
@@ -130,7 +130,7 @@ mod tests {
             family: text.to_owned(),
             notes: vec![text.to_owned()],
             looks_like: vec![text.to_owned()],
-            ..CaseResult::new(verdict, Cause::None, text).of_case(text, text, &Deterministic)
+            ..CaseResult::new(verdict, Cause::None, text).of_case(text, text, Gate::Deterministic)
         }
     }
 

@@ -1,7 +1,7 @@
 //! Results for people.
 
 use crate::conventions::Profile;
-use crate::judging::{CaseResult, JudgedWith, KnownStatus, Summary, Verdict, is_declared};
+use crate::judging::{CaseResult, JudgedWith, KnownStatus, Verdict, is_declared};
 use crate::naming::{Likenesses, SearchStep, Stage, Unexplained};
 use crate::suite::ERROR_OF_TOLERANCE;
 use std::collections::BTreeMap;
@@ -148,11 +148,14 @@ pub(crate) fn without_image_text(names: &[&str]) -> String {
 
 /// How many cases there are of each verdict.
 pub(super) fn counts_text(results: &[CaseResult]) -> String {
-    let said: Vec<_> = Summary::of(results)
-        .in_words()
+    let counts = Verdict::ALL.map(|(verdict, _, words)| match verdict.count(results) {
+        1 if verdict == Verdict::Error => "1 error".to_owned(),
+        0 if verdict != Verdict::Pass => String::new(),
+        count => format!("{count} {words}"),
+    });
+    let said: Vec<String> = counts
         .into_iter()
-        .filter(|&(count, word)| count > 0 || word == "passed")
-        .map(|(count, word)| format!("{count} {word}"))
+        .filter(|words| !words.is_empty())
         .collect();
     let cases = if results.len() == 1 { "case" } else { "cases" };
     format!("{} {cases}: {}", results.len(), said.join(", "))

@@ -3,7 +3,7 @@
 #[cfg(test)]
 mod tests;
 
-use crate::compare::{Conditions, Exact, Picture, judge, stochastic};
+use crate::compare::{Conditions, Gate, Picture, judge, stochastic};
 use crate::film::Film;
 use crate::judging::finding::MARGIN;
 use crate::judging::truth::judge_by_truth;
@@ -453,7 +453,7 @@ fn prepare(
         Some(old) => {
             let [before, after] =
                 [&old.film, &golden.film].map(|film| Picture::Radiance(film.clone()));
-            let judgement = judge(&Exact, &before, &after, &Conditions::default());
+            let judgement = judge(Gate::Exact, &before, &after, &Conditions::default());
             Change::Replaced(judgement.expect("both images are radiance").reason)
         }
     };

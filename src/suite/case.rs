@@ -2,7 +2,7 @@
 
 use super::outline::{self, Outline};
 use super::{Answer, EmbeddedSuite, Store};
-use crate::compare::{Deterministic, ImageGate, Promise, Stochastic};
+use crate::compare::{Gate, Promise};
 use crate::files::misspelling::nearest;
 use crate::files::regular_file::Identity;
 use crate::film::Depth;
@@ -156,10 +156,10 @@ impl Case {
     }
 
     /// The gate for images of other renderers.
-    pub fn gate(&self) -> &'static dyn ImageGate {
+    pub fn gate(&self) -> Gate {
         match self.sampling {
-            Some(_) => &Stochastic,
-            None => &Deterministic,
+            Some(_) => Gate::Stochastic,
+            None => Gate::Deterministic,
         }
     }
 

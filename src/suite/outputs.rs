@@ -92,13 +92,11 @@ pub enum OutputError {
 /// Role of a file in its case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Role {
-    /// The only image, or the one with the step of the scene.
-    Single,
+    /// The image with the step of the scene, halved this often: with 0 the only image, or the first of these.
+    Step(u32),
+    Replicate(u32),
     Variance,
     Depth,
-    Replicate(u32),
-    /// The step of the scene, halved this often.
-    Step(u32),
 }
 
 /// The name of the image of `case` with the step of the scene halved `halvings` times, without its
@@ -153,32 +151,29 @@ impl Outputs {
         };
         let unclear = |why: String| Err(OutputError::Unclear(format!("{case}: {why}")));
         let files: Vec<_> = files.iter().collect();
-        let mut pairs = files.windows(2).map(|pair| [pair[0], pair[1]]);
-        let same = pairs.find(|[one, other]| one.0 == other.0);
-        let (beside, images): (Vec<_>, Vec<_>) = files
-            .into_iter()
-            .partition(|(role, _)| matches!(role, Role::Variance | Role::Depth));
-        let is_replicate = |(role, _): &(Role, PathBuf)| matches!(role, Role::Replicate(_));
-        let of_another_kind = || {
-            let first = images.first()?;
-            let is_other = |image: &&&(Role, PathBuf)| is_replicate(image) != is_replicate(first);
-            Some([*first, *images.iter().find(is_other)?])
+        // Steps stand before replicates.
+        let contradict = |pair: &&[&(Role, PathBuf)]| match (pair[0].0, pair[1].0) {
+            (Role::Step(_), Role::Replicate(_)) => true,
+            (one, other) => one == other,
         };
-        if let Some(two) = same.or_else(of_another_kind) {
-            let [one, other] = two.map(|(_, file)| file.display());
+        if let Some(two) = files.windows(2).find(contradict) {
+            let [one, other] = [0, 1].map(|i| two[i].1.display());
             return unclear(format!(
                 "both {one} and {other} could be its image: keep one of them"
             ));
         }
-        // Replicates alone, or steps alone.
-        let numbers = images.iter().map(|(role, file)| match role {
-            Role::Replicate(number) | Role::Step(number) => (*number, file.to_owned()),
-            Role::Single | Role::Variance | Role::Depth => (0, file.to_owned()),
-        });
-        let numbers: Vec<(u32, PathBuf)> = numbers.collect();
-        let is_refined = matches!(images.last(), Some((Role::Step(_), _)));
-        if is_refined && let Some((last, file)) = numbers.last() {
-            let has = |step: u32| numbers.iter().any(|(number, _)| *number == step);
+        let (mut images, mut beside) = (Vec::new(), Vec::new());
+        for (role, file) in files {
+            match role {
+                Role::Step(number) | Role::Replicate(number) => images.push((*number, file)),
+                Role::Variance | Role::Depth => beside.push((*role, file)),
+            }
+        }
+        let is_refined = self.by_case[case]
+            .iter()
+            .any(|(role, _)| matches!(role, Role::Step(1..)));
+        if is_refined && let Some((last, file)) = images.last() {
+            let has = |step: u32| images.iter().any(|(number, _)| *number == step);
             if let Some(missing) = (0..=*last.max(&2)).find(|step| !has(*step)) {
                 return unclear(format!(
                     "{} has a smaller step than the scene, but there is no {}: name the images {case}.exr, \
@@ -188,8 +183,8 @@ impl Outputs {
                     step_name(case, missing)
                 ));
             }
-        } else if let Some((first, _)) = numbers.first() {
-            let mut numbered = numbers.iter().zip(*first.min(&1)..);
+        } else if let Some((first, _)) = images.first() {
+            let mut numbered = images.iter().zip(*first.min(&1)..);
             let gap = numbered.find(|((number, _), expected)| number != expected);
             if let Some(((_, file), missing)) = gap {
                 return unclear(format!(
@@ -201,14 +196,15 @@ impl Outputs {
         if let Some((role, file)) = beside.first()
             && images.len() != 1
         {
-            let (what, of_replicates) = match role {
-                Role::Depth => ("depth", "are several, with seeds of their own"),
-                _ => ("variance", "are several, whose spread says it already"),
+            let what = if *role == Role::Depth {
+                "depth"
+            } else {
+                "variance"
             };
-            let there = match images[..] {
-                [] => "is none",
-                _ if is_refined => "are several, with smaller and smaller steps",
-                _ => of_replicates,
+            let there = if images.is_empty() {
+                "is none"
+            } else {
+                "are several"
             };
             let file = file.display();
             return unclear(format!(
@@ -217,12 +213,15 @@ impl Outputs {
         }
         let file_of = |role: Role| {
             let found = beside.iter().find(|(other, _)| *other == role);
-            found.map(|(_, file)| file.to_owned())
+            found.map(|(_, file)| file.to_path_buf())
         };
         Ok(Some(Found {
             variance: file_of(Role::Variance),
             depth: file_of(Role::Depth),
-            files: numbers.into_iter().map(|(_, file)| file).collect(),
+            files: images
+                .into_iter()
+                .map(|(_, file)| file.to_owned())
+                .collect(),
             is_refined,
         }))
     }
@@ -335,7 +334,7 @@ fn last_name(path: &Path) -> String {
 /// case may be called `rate-0.1`: the whole name comes before the number of a replicate.
 fn belonging<'c>(stem: &str, cases: &[&'c str]) -> Result<(&'c str, Role), String> {
     if let Some(case) = case_called(stem, cases)? {
-        return Ok((case, Role::Single));
+        return Ok((case, Role::Step(0)));
     }
     if let Some((name, factor)) = stem.rsplit_once('@')
         && let Some(case) = case_called(name, cases)?
@@ -368,7 +367,6 @@ fn role_of_step(case: &str, factor: &str) -> Result<Role, String> {
     let value: f64 = factor.parse().unwrap_or(f64::NAN);
     let halvings = (0..=MOST_HALVINGS).find(|&halvings| value == math::exp2(-f64::from(halvings)));
     match halvings {
-        Some(0) => Ok(Role::Single),
         Some(halvings) => Ok(Role::Step(halvings)),
         None => {
             let fault = if value >= 1.0 {

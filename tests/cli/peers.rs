@@ -9,7 +9,7 @@ use glam::{DMat3, DVec3};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::Command;
-use volref::compare::{Conditions, Deterministic, Judgement, Picture, judge};
+use volref::compare::{Conditions, Gate, Judgement, Picture, judge};
 use volref::exchange::{Export, Format, Refusal, export};
 use volref::film::Film;
 use volref::math::{exp, ln_1p};
@@ -80,7 +80,13 @@ fn film(scene: &Scene) -> Film {
 
 fn deterministic(reference: &Film, test: &Film) -> Judgement {
     let [reference, test] = [reference, test].map(|film| Picture::Radiance(film.clone()));
-    judge(&Deterministic, &reference, &test, &Conditions::default()).unwrap()
+    judge(
+        Gate::Deterministic,
+        &reference,
+        &test,
+        &Conditions::default(),
+    )
+    .unwrap()
 }
 
 fn bundle(scene: &Scene, name: &str) -> Result<Export, Refusal> {

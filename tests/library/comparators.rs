@@ -3,10 +3,7 @@
 
 use exr::prelude::*;
 use volref::compare::flip::SrgbImage;
-use volref::compare::{
-    Conditions, Deterministic, Exact, GATES, ImageGate, Judgement, Perceptual, Picture, judge,
-    metric_meaning,
-};
+use volref::compare::{Conditions, GATES, Gate, Judgement, Picture, judge, metric_meaning};
 use volref::film::{Film, FilmError};
 use volref::math::srgb_to_linear;
 
@@ -35,7 +32,7 @@ fn film(pixels: Vec<[f32; 3]>) -> Film {
     Film::new(SIZE, SIZE, pixels)
 }
 
-fn judged(gate: &'static dyn ImageGate, test: Vec<[f32; 3]>) -> Judgement {
+fn judged(gate: Gate, test: Vec<[f32; 3]>) -> Judgement {
     let (reference, test) = (
         Picture::Radiance(film(ball())),
         Picture::Radiance(film(test)),
@@ -62,17 +59,13 @@ fn sign(index: usize) -> f32 {
 }
 
 /// What was done to the image, the gates meant, and the result.
-type FaultRow = (
-    &'static str,
-    &'static [&'static dyn ImageGate],
-    Vec<[f32; 3]>,
-);
+type FaultRow = (&'static str, &'static [Gate], Vec<[f32; 3]>);
 
 #[test]
 fn what_every_gate_must_reject() {
     let mirrored = |i: usize| ball()[i / SIZE * SIZE + (SIZE - 1 - i % SIZE)];
-    let all: &[&'static dyn ImageGate] = &[&Exact, &Deterministic, &Perceptual];
-    let radiance: &[&'static dyn ImageGate] = &[&Exact, &Deterministic];
+    let all: &[Gate] = &[Gate::Exact, Gate::Deterministic, Gate::Perceptual];
+    let radiance: &[Gate] = &[Gate::Exact, Gate::Deterministic];
     let table: &[FaultRow] = &[
         (
             "red and blue swapped",
@@ -127,7 +120,7 @@ fn what_every_gate_must_reject() {
         ),
         (
             "one value off by its last bit",
-            &[&Exact],
+            &[Gate::Exact],
             edited(|i, pixel| {
                 if i == 36 * SIZE + 24 {
                     pixel.map(f32::next_up)
@@ -164,7 +157,7 @@ fn a_lost_pixel_is_found_and_an_edge_is_none() {
             pixels[index] = [value; 3];
         }
         let [golden, test] = [golden.clone(), film(pixels)].map(Picture::Radiance);
-        judge(&Deterministic, &golden, &test, &Conditions::default()).unwrap()
+        judge(Gate::Deterministic, &golden, &test, &Conditions::default()).unwrap()
     };
     let middle = SIZE * SIZE / 2 + SIZE / 2;
     let judgement = judged(&[middle], 0.0);
@@ -186,9 +179,13 @@ fn noise_that_gates_must_accept() {
         let noisy = (f32::from(codes) + sign(i)).clamp(0.0, 255.0) / 255.0;
         srgb_to_linear(f64::from(noisy)) as f32
     };
-    let both: &[&'static dyn ImageGate] = &[&Deterministic, &Perceptual];
+    let both: &[Gate] = &[Gate::Deterministic, Gate::Perceptual];
     let table: &[FaultRow] = &[
-        ("nothing", &[&Exact, &Deterministic, &Perceptual], ball()),
+        (
+            "nothing",
+            &[Gate::Exact, Gate::Deterministic, Gate::Perceptual],
+            ball(),
+        ),
         (
             "rounding",
             both,
@@ -218,7 +215,7 @@ fn noise_that_gates_must_accept() {
         ),
         (
             "one code more or less",
-            &[&Perceptual],
+            &[Gate::Perceptual],
             edited(|i, pixel| pixel.map(|v| code(i, v))),
         ),
     ];
@@ -283,7 +280,7 @@ fn places_of_what_is_not_finite() {
                 pixel
             }
         });
-        let judgement = judged(&Deterministic, pixels);
+        let judgement = judged(Gate::Deterministic, pixels);
         let said = &judgement.reason;
         assert!(
             said.contains(&format!("{broken} of 9216 pixels of the test image")),
@@ -301,11 +298,11 @@ fn codes_are_judged_by_how_they_look_only() {
     let radiance = Picture::Radiance(film(ball()));
     for (a, b) in [(&codes, &codes), (&codes, &radiance), (&radiance, &codes)] {
         assert!(
-            judge(&Perceptual, a, b, &Conditions::default())
+            judge(Gate::Perceptual, a, b, &Conditions::default())
                 .unwrap()
                 .passed
         );
-        let of_radiance: [&dyn ImageGate; 2] = [&Exact, &Deterministic];
+        let of_radiance: [Gate; 2] = [Gate::Exact, Gate::Deterministic];
         for gate in of_radiance {
             assert!(judge(gate, a, b, &Conditions::default()).is_err());
         }

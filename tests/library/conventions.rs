@@ -770,7 +770,7 @@ fn picture(scene: &Scene) -> Picture {
 
 /// Whether an image of `right` is one of `test`, by the deterministic gate.
 fn passes(right: &Scene, test: &Picture) -> bool {
-    let (right, gate) = (picture(right), &volref::compare::Deterministic);
+    let (right, gate) = (picture(right), volref::compare::Gate::Deterministic);
     judge(gate, &right, test, &Conditions::default())
         .unwrap()
         .passed

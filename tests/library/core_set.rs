@@ -4,7 +4,7 @@ use crate::common::suite::{film_of, suite};
 use glam::{DMat3, DVec3};
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
-use volref::compare::{Conditions, Deterministic, Picture, judge};
+use volref::compare::{Conditions, Gate, Picture, judge};
 use volref::film::Film;
 use volref::geometry::Transform;
 use volref::scene::{Model, Scene};
@@ -91,7 +91,7 @@ fn image(scene: &Scene) -> Film {
 /// Whether another image fails beside the right one.
 fn differs(right: &Film, other: &Film) -> bool {
     let [right, other] = [right, other].map(|film| Picture::Radiance(film.clone()));
-    let judged = judge(&Deterministic, &right, &other, &Conditions::default());
+    let judged = judge(Gate::Deterministic, &right, &other, &Conditions::default());
     !judged.unwrap().passed
 }
 

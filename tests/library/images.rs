@@ -3,7 +3,7 @@
 use crate::common;
 use proptest::prelude::*;
 use std::path::{Path, PathBuf};
-use volref::compare::{Conditions, Deterministic, Picture, judge};
+use volref::compare::{Conditions, Gate, Picture, judge};
 use volref::film::{Film, FilmError, FilmFormat};
 use volref::suite::{Found, OutputError, Outputs};
 
@@ -375,7 +375,7 @@ fn lists_of_pixels() {
         let header = format!("{{'descr': '<f4', 'fortran_order': False, 'shape': {shape}}}");
         let film = Film::from_npy(&npy(&header, &vec![0; 4 * length])).unwrap();
         let [golden, test] = [Film::new(8, 6, vec![[0.0; 3]; 48]), film].map(Picture::Radiance);
-        let reason = judge(&Deterministic, &golden, &test, &Conditions::default());
+        let reason = judge(Gate::Deterministic, &golden, &test, &Conditions::default());
         assert_eq!(reason.unwrap().reason.ends_with(hint), is_said, "{shape}");
     }
 }
@@ -574,7 +574,7 @@ fn files_that_contradict_each_other() {
     fog/forward: there is a replicate fog/forward.2.exr but none with the number 1: number them without a gap from 0 or 1
     fog/forward: there is a replicate fog/forward.2.exr but none with the number 1: number them without a gap from 0 or 1
     fog/forward: fog/forward.variance.exr is the variance of one image, and there is none
-    fog/forward: forward.variance.exr is the variance of one image, and there are several, whose spread says it already
+    fog/forward: forward.variance.exr is the variance of one image, and there are several
     "#);
     let nowhere = Outputs::list(Path::new("no such folder"), &CASES);
     assert!(matches!(nowhere, Err(OutputError::Folder { .. })));

@@ -1,7 +1,7 @@
 //! Score tests of the stochastic gate: sizes without bias, alarms no more often than promised.
 
 use crate::common::simulated::{Bits, Sampling, Shape, sampled, scene};
-use volref::compare::stochastic::{BLOCK, judge_scores};
+use volref::compare::stochastic::{BLOCK, judge_with};
 use volref::compare::{Judgement, Sensitivity};
 use volref::film::Film;
 
@@ -82,7 +82,7 @@ fn pair(seed: u64, shape: &Shape, samples: u32, truth: impl Fn(f64, f64) -> [f64
 
 fn judged(pair: &[Film; 2], sensitivities: &[Sensitivity], level: f64) -> Judgement {
     let [reference, test] = pair;
-    judge_scores(reference, test, level, sensitivities).unwrap()
+    judge_with(reference, test, level, None, sensitivities).unwrap()
 }
 
 /// Suites of honest images, at levels at which alarms are rare and at which they are not: no more of

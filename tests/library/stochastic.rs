@@ -3,7 +3,7 @@
 use crate::common::suite::silent;
 use volref::compare::stochastic::{FALSE_ALARM, judge, judge_at};
 use volref::compare::{
-    self, Advice, Conditions, Judgement, Picture, PictureError, Promise, Stochastic, Undecided,
+    self, Advice, Conditions, Gate, Judgement, Picture, PictureError, Promise, Undecided,
     metric_meaning,
 };
 use volref::film::{Encoding, Film, Origin, Quantisation};
@@ -24,7 +24,7 @@ fn keeping(reference: &Film, test: &Film, promise: Promise) -> Judgement {
         promise: Some(promise),
         ..Conditions::default()
     };
-    compare::judge(&Stochastic, &reference, &test, &conditions).unwrap()
+    compare::judge(Gate::Stochastic, &reference, &test, &conditions).unwrap()
 }
 
 /// What is seen without noise: a ball on black, a gradient below it.
@@ -662,7 +662,7 @@ fn incomparable_first() {
     assert!(matches!(both_silent, Err(PictureError::NeedsNoise)));
     let codes = Picture::Radiance(film.clone()).srgb(0.0).unwrap();
     let mixed = volref::compare::judge(
-        &Stochastic,
+        Gate::Stochastic,
         &Picture::Radiance(film),
         &Picture::Codes(codes),
         &Conditions::default(),

@@ -1,5 +1,6 @@
 //! The input: an 8-bit sRGB image.
 
+use crate::film::{Bits, Film};
 use thiserror::Error;
 
 /// Reason why two images could not be compared.
@@ -46,6 +47,12 @@ pub struct SrgbImage {
 }
 
 impl SrgbImage {
+    /// The radiance of codes of these bits at `exposure` stops.
+    pub(crate) fn radiance(&self, bits: Bits, exposure: f64) -> Film {
+        bits.of_png(exposure)
+            .decoded(self.width, self.height, &self.pixels)
+    }
+
     /// An image of `width` columns and `height` rows.
     ///
     /// # Errors

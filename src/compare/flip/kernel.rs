@@ -104,34 +104,17 @@ impl Kernel {
 
 /// Adds to each sum, for every distance, the weight times what `join` makes of the samples that
 /// far before, here and that far after.
-///
-/// Works through blocks of columns whose sums fit into vector registers; the order of additions
-/// at a column does not depend on its block.
 fn add_mirrored<'a>(
     weights: &[f64],
     tap: impl Fn(isize) -> &'a [f64],
     sum: &mut [f64],
     join: impl Fn(f64, f64, f64) -> f64,
 ) {
-    const BLOCK: usize = 16;
     let here = tap(0);
-    let (blocks, rest) = sum.as_chunks_mut::<BLOCK>();
-    let rest_start = BLOCK * blocks.len();
-    for (block, sums) in blocks.iter_mut().enumerate() {
-        let columns = |row: &'a [f64]| &row.as_chunks::<BLOCK>().0[block];
-        let here = columns(here);
-        let mut kept = *sums;
-        for (k, &weight) in (1..).zip(weights) {
-            let (before, after) = (columns(tap(-k)), columns(tap(k)));
-            for i in 0..BLOCK {
-                kept[i] += weight * join(before[i], here[i], after[i]);
-            }
-        }
-        *sums = kept;
-    }
-    for (x, sum) in (rest_start..).zip(rest) {
-        for (k, &weight) in (1..).zip(weights) {
-            *sum += weight * join(tap(-k)[x], here[x], tap(k)[x]);
+    for (k, &weight) in (1..).zip(weights) {
+        let (before, after) = (tap(-k), tap(k));
+        for (x, sum) in sum.iter_mut().enumerate() {
+            *sum += weight * join(before[x], here[x], after[x]);
         }
     }
 }

@@ -215,6 +215,15 @@ impl Block {
     }
 }
 
+/// The blocks of two images of one size, row by row from the top.
+pub(super) fn blocks(films: [&Film; 2], rounding: Rounding) -> Vec<Block> {
+    let rows = parts(films[0].height());
+    let places =
+        rows.flat_map(|rows| parts(films[0].width()).map(move |columns| (columns, rows.clone())));
+    let block = |(columns, rows)| Block::new(films, rounding, columns, rows);
+    places.map(block).collect()
+}
+
 /// `length` pixels in parts of at least [`BLOCK`], or one part of all.
 pub(super) fn parts(length: usize) -> impl Iterator<Item = Range<usize>> + Clone {
     let count = (length / BLOCK).max(1);

@@ -1,7 +1,7 @@
 //! Two images compared block by block, with variances that are not stated filled in.
 
 use super::super::significance::deviation;
-use super::blocks::{Block, Channel, Rounding, Total, Variance, parts};
+use super::blocks::{Block, Channel, Rounding, Total, Variance, blocks, parts};
 use super::variance::{NoiseShape, Stated, unstated};
 use crate::film::Film;
 
@@ -18,8 +18,6 @@ pub(super) struct Comparison<'f> {
     pub shape: NoiseShape,
     /// Probability with which noise that is not stated may be underestimated.
     pub level: f64,
-    /// Pixels of the images that were left out: black in both.
-    pub left_out: Option<&'f [bool]>,
     /// Rounding of the values of the test image.
     pub rounding: Rounding,
 }
@@ -78,32 +76,16 @@ impl<'f> Comparison<'f> {
     /// `level` is the probability with which the noise of an image that does not state it may be
     /// underestimated.
     pub fn new(reference: &'f Film, test: &'f Film, level: f64) -> Comparison<'f> {
-        Comparison::without([reference, test], None, level)
-    }
-
-    /// [`Comparison::new`] of films in which pixels are left out.
-    pub fn without(
-        films: [&'f Film; 2],
-        left_out: Option<&'f [bool]>,
-        level: f64,
-    ) -> Comparison<'f> {
-        let rounding = Rounding::of(films[1]);
-        let [reference, _] = films;
-        let mut comparison = Comparison {
+        let films = [reference, test];
+        let rounding = Rounding::of(test);
+        let comparison = Comparison {
             films,
-            blocks: Vec::new(),
+            blocks: blocks(films, rounding),
             stated: films.map(Stated::by),
             shape: NoiseShape::default(),
             level,
-            left_out,
             rounding,
         };
-        for rows in parts(reference.height()) {
-            for columns in parts(reference.width()) {
-                let block = Block::new(films, rounding, columns, rows.clone());
-                comparison.blocks.push(block);
-            }
-        }
         comparison.completed(1.0)
     }
 

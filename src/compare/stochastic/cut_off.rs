@@ -27,7 +27,6 @@ const DEVIATIONS: f64 = 4.0;
 pub(super) struct WithinCodes {
     pub reference: Film,
     pub test: Film,
-    pub left_out: Vec<bool>,
     pub share_left_out: f64,
 }
 
@@ -40,12 +39,11 @@ impl WithinCodes {
         } else {
             by_reference(reference, test, quantisation, level)
         };
-        let count_left_out = left_out.iter().filter(|is| **is).count();
         Some(WithinCodes {
             reference: reference.without(&left_out),
             test: test.without(&left_out),
-            share_left_out: count_left_out as f64 / left_out.len() as f64,
-            left_out,
+            share_left_out: left_out.iter().filter(|is| **is).count() as f64
+                / left_out.len() as f64,
         })
     }
 }

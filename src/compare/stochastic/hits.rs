@@ -41,7 +41,7 @@ pub(super) struct Hits {
 }
 
 impl Hits {
-    pub fn of(reference: &Film, test: &Film) -> Hits {
+    pub fn of([reference, test]: [&Film; 2]) -> Hits {
         let brightness = |pixel: &[f32; 3]| pixel.iter().copied().map(f64::from).sum();
         Hits {
             width: reference.width(),

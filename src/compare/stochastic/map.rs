@@ -1,35 +1,22 @@
 //! Maps over the blocks of an image: standard errors and deviations.
 
-use super::blocks::{DARK, parts};
+use super::blocks::{Rounding, blocks, parts};
 use super::comparison::Comparison;
 use super::cut_off::WithinCodes;
+use super::resolution::of_nine_tenths;
 use super::{block_deviation, finite};
 use crate::compare::BlockMap;
 use crate::film::Film;
 
-/// The standard error of the mean of a block, relative to that mean plus [`DARK`], that nine
+/// The standard error of the mean of a block, relative to that mean plus [`DARK`](super::DARK), that nine
 /// tenths of the blocks and channels do not exceed, as in the metric of the gate; `None` for an
 /// image without noise.
 pub(crate) fn block_error(film: &Film) -> Option<f64> {
-    let noise = film.noise()?;
-    let mut errors = Vec::new();
-    for rows in parts(film.height()) {
-        for columns in parts(film.width()) {
-            for channel in 0..3 {
-                let (mut radiance, mut variance, mut count) = (0.0, 0.0, 0.0);
-                for row in rows.clone() {
-                    for index in columns.clone().map(|column| row * film.width() + column) {
-                        radiance += f64::from(film.radiance()[index][channel]);
-                        variance += f64::from(noise.variance()[index][channel]);
-                        count += 1.0;
-                    }
-                }
-                errors.push(variance.sqrt() / (radiance.abs() + DARK * count));
-            }
-        }
-    }
-    errors.sort_by(f64::total_cmp);
-    Some(errors[(errors.len() * 9).div_ceil(10) - 1])
+    film.noise()?;
+    let blocks = blocks([film; 2], Rounding::of(film));
+    Some(of_nine_tenths(&blocks, |block, c| {
+        block.channels[c].stated[0].sqrt() / block.floor(c)
+    }))
 }
 
 /// The deviations of the blocks of `test` from `reference`, images of the same size; `None` if

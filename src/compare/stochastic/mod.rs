@@ -132,19 +132,16 @@ mod scores;
 mod unstated;
 mod values;
 mod variance;
-mod visible_bias;
 
 pub use blocks::{BLOCK, DARK};
 pub(crate) use map::{block_error, block_map};
 pub(crate) use unstated::is_off_by_noise;
 
 use super::advice::Undecided;
-use super::difference_scale::DifferenceScale;
-use super::gate::{Gate, MEAN_DIFFERENCES, Metric, metrics};
-use super::image_gate::{Conditions, ImageGate};
+use super::gate::{Conditions, Description, Gate, MEAN_DIFFERENCES, metrics};
 use super::incomparable;
 use super::judgement::Judgement;
-use super::picture::{Picture, PictureError};
+use super::picture::PictureError;
 use super::precision::CUT_OFF;
 use super::promise::Promise;
 use super::sensitivity::{Sensitivity, with_error};
@@ -156,12 +153,12 @@ use black_lines::judge_black_lines;
 use blocks::{Block, Channel};
 use comparison::Comparison;
 use cut_off::WithinCodes;
+use hits::Hits;
 use neighbours::judge_neighbours;
 use numbers::judge_numbers;
-use pixels::{PixelDifferences, judge_one_variance};
+use pixels::{PixelDifferences, judge_black, judge_one_variance, judge_repeated};
 use resolution::Limits;
 use scales::judge_scales;
-use visible_bias::VisibleBias;
 
 /// Probability that any correct case of a suite is rejected.
 pub const FALSE_ALARM: f64 = 1e-6;
@@ -173,93 +170,40 @@ const SHARES: f64 = 10.0;
 /// Value printed for an infinite deviation: numbers of a judgement are finite.
 const BOUNDLESS: f64 = 1e9;
 
-/// Means of random samples, by the noise they state.
-#[derive(Clone, Copy, Debug)]
-pub struct Stochastic;
-
-impl Gate for Stochastic {
-    fn name(&self) -> &'static str {
-        "stochastic"
-    }
-
-    fn rule(&self) -> &'static str {
-        "The pixels are means of random samples, so differences are measured in standard errors. \
+pub(super) const DESCRIPTION: Description = Description {
+    name: "stochastic",
+    rule: "The pixels are means of random samples, so differences are measured in standard errors. \
         Noise alone nearly always stays below 3 standard errors; the limits are set so that a \
-        correct renderer raises a false alarm once in a million suites."
-    }
-
-    fn metrics(&self) -> &'static [Metric] {
-        &METRICS
-    }
-
-    fn difference_scale(&self, golden: &Film, test: &Film) -> DifferenceScale {
-        match block_map(golden, test) {
-            Some(map) => DifferenceScale::StandardErrors(map),
-            None => DifferenceScale::Radiance,
-        }
-    }
-}
-
-impl ImageGate for Stochastic {
-    fn judge(
-        &self,
-        reference: &Picture,
-        test: &Picture,
-        conditions: &Conditions<'_>,
-    ) -> Result<Judgement, PictureError> {
-        let [reference, test] = [reference, test].map(|picture| picture.radiance_for(self));
-        let level = FALSE_ALARM / conditions.cases.max(1) as f64;
-        judge_with(
-            reference?,
-            test?,
-            level,
-            conditions.promise,
-            conditions.sensitivities,
-        )
-    }
-
-    fn default_for(&self) -> Option<&'static str> {
-        Some("two linear images if at least one includes its variance")
-    }
-
-    fn default_reason(&self, reference: &Picture, test: &Picture) -> Option<&'static str> {
-        let has_noise = |picture: &Picture| Some(picture.radiance()?.noise().is_some());
-        match (has_noise(reference)?, has_noise(test)?) {
-            (true, true) => Some(", since both images include their variance"),
-            (true, false) => Some(", since the reference includes its variance"),
-            (false, true) => Some(", since the test image includes its variance"),
-            (false, false) => None,
-        }
-    }
-}
-
-const METRICS: [Metric; 26] = metrics! {
-    "blocks" => "Number of tests: blocks of 8 × 8 pixels times three channels.";
-    "rejected_blocks" => "Blocks and channels that differ beyond noise; 0 passes.";
-    "worst_block_z" => "Test minus golden of the worst block, in standard errors: above 0 it is too bright.";
-    "worst_block_column" => "First column of the worst block.";
-    "worst_block_row" => "First row of the worst block.";
-    MEAN_DIFFERENCES[0];
-    MEAN_DIFFERENCES[1];
-    MEAN_DIFFERENCES[2];
-    "mean_z_red" => "Mean of red over the image, test minus golden, in standard errors.";
-    "mean_z_green" => "Mean of green over the image, test minus golden, in standard errors.";
-    "mean_z_blue" => "Mean of blue over the image, test minus golden, in standard errors.";
-    "scores" => "Parameters of the scene that were tested: does an error in them look like the difference?";
-    "largest_score" => "How much the difference looks like the change that an error of one of these parameters makes, in standard errors: above 0 as if it were larger.";
-    "smallest_visible_bias" => "Detectable bias of the mean, as a share of the brightness of the image: a larger one is rejected.";
-    "smallest_visible_block_bias" => "Detectable bias within single blocks (90th percentile), as a share of the brightness of the block: a larger one is rejected.";
-    "times_the_samples_that_would_decide" => "How many times more samples per pixel would make the required bias detectable.";
-    "samples_that_would_decide" => "Samples per pixel, summed over all renderings, at which it becomes detectable.";
-    "far_pixels" => "Single pixels off by more than 5 standard errors, in the channel with most; many mean fireflies, or differences that cancel within blocks.";
-    "contrary_pixels" => "Pixels and channels that differ although neither image has any noise there.";
-    "black_pixels" => "Pixels that are exactly 0 although the golden is not; samples that are all 0 by chance make some, in images of few samples.";
-    "amount_of_noise" => "Squared differences relative to the variance given in the images: 1 is expected, far below 1 means smoothing or shared random numbers, far above 1 a difference beyond noise.";
-    "noise_over_that_stated" => "Squared differences relative to the variance of the one image that includes it: 1 or more is expected.";
-    "chi_square_probability" => "Probability of at least this much deviation from noise alone; near 0 means a real difference.";
-    "copied_pixels" => "Noisy pixels that are bit-identical to the golden; independent renderings share none.";
-    "correlation_across" => "Correlation of the differences of horizontally adjacent pixels: 0 is expected; above 0.05 whole regions are off, or the image was filtered or denoised, or its pixels share random numbers.";
-    "correlation_down" => "The same for vertically adjacent pixels.";
+        correct renderer raises a false alarm once in a million suites.",
+    metrics: &metrics! {
+        "blocks" => "Number of tests: blocks of 8 × 8 pixels times three channels.";
+        "rejected_blocks" => "Blocks and channels that differ beyond noise; 0 passes.";
+        "worst_block_z" => "Test minus golden of the worst block, in standard errors: above 0 it is too bright.";
+        "worst_block_column" => "First column of the worst block.";
+        "worst_block_row" => "First row of the worst block.";
+        MEAN_DIFFERENCES[0];
+        MEAN_DIFFERENCES[1];
+        MEAN_DIFFERENCES[2];
+        "mean_z_red" => "Mean of red over the image, test minus golden, in standard errors.";
+        "mean_z_green" => "Mean of green over the image, test minus golden, in standard errors.";
+        "mean_z_blue" => "Mean of blue over the image, test minus golden, in standard errors.";
+        "scores" => "Parameters of the scene that were tested: does an error in them look like the difference?";
+        "largest_score" => "How much the difference looks like the change that an error of one of these parameters makes, in standard errors: above 0 as if it were larger.";
+        "smallest_visible_bias" => "Detectable bias of the mean, as a share of the brightness of the image: a larger one is rejected.";
+        "smallest_visible_block_bias" => "Detectable bias within single blocks (90th percentile), as a share of the brightness of the block: a larger one is rejected.";
+        "times_the_samples_that_would_decide" => "How many times more samples per pixel would make the required bias detectable.";
+        "samples_that_would_decide" => "Samples per pixel, summed over all renderings, at which it becomes detectable.";
+        "far_pixels" => "Single pixels off by more than 5 standard errors, in the channel with most; many mean fireflies, or differences that cancel within blocks.";
+        "contrary_pixels" => "Pixels and channels that differ although neither image has any noise there.";
+        "black_pixels" => "Pixels that are exactly 0 although the golden is not; samples that are all 0 by chance make some, in images of few samples.";
+        "amount_of_noise" => "Squared differences relative to the variance given in the images: 1 is expected, far below 1 means smoothing or shared random numbers, far above 1 a difference beyond noise.";
+        "noise_over_that_stated" => "Squared differences relative to the variance of the one image that includes it: 1 or more is expected.";
+        "chi_square_probability" => "Probability of at least this much deviation from noise alone; near 0 means a real difference.";
+        "copied_pixels" => "Noisy pixels that are bit-identical to the golden; independent renderings share none.";
+        "correlation_across" => "Correlation of the differences of horizontally adjacent pixels: 0 is expected; above 0.05 whole regions are off, or the image was filtered or denoised, or its pixels share random numbers.";
+        "correlation_down" => "The same for vertically adjacent pixels.";
+    },
+    default_for: Some("two linear images if at least one includes its variance"),
 };
 
 /// Judges `test` by `reference`, one of `cases` comparisons that raise a false alarm with
@@ -273,17 +217,25 @@ pub fn judge_at(reference: &Film, test: &Film, level: f64) -> Result<Judgement, 
     judge_with(reference, test, level, None, &[])
 }
 
-/// [`judge_at`], where it is known how the reference changes with numbers of its scene.
-pub fn judge_scores(
+/// [`judge`] under these conditions.
+pub(super) fn judge_under(
     reference: &Film,
     test: &Film,
-    level: f64,
-    sensitivities: &[Sensitivity],
+    conditions: &Conditions<'_>,
 ) -> Result<Judgement, PictureError> {
-    judge_with(reference, test, level, None, sensitivities)
+    let level = FALSE_ALARM / conditions.cases.max(1) as f64;
+    judge_with(
+        reference,
+        test,
+        level,
+        conditions.promise,
+        conditions.sensitivities,
+    )
 }
 
-fn judge_with(
+/// [`judge_at`] of an image that is to show the promised biases, where it is known how the reference changes with numbers
+/// of its scene.
+pub fn judge_with(
     reference: &Film,
     test: &Film,
     level: f64,
@@ -293,7 +245,7 @@ fn judge_with(
     if reference.noise().is_none() && test.noise().is_none() {
         return Err(PictureError::NeedsNoise);
     }
-    if let Some(different) = incomparable::films(&Stochastic, reference, test) {
+    if let Some(different) = incomparable::films(Gate::Stochastic, reference, test) {
         return Ok(different);
     }
     let share = level / SHARES;
@@ -301,12 +253,16 @@ fn judge_with(
         let comparison = Comparison::new(reference, test, share);
         return Ok(judgement(&comparison, share, promise, sensitivities));
     };
-    let films = [&seen.reference, &seen.test];
-    let comparison = Comparison::without(films, Some(&seen.left_out), share);
-    let mut judgement = judgement(&comparison, share, promise, sensitivities);
-    judgement
-        .metrics
-        .insert(CUT_OFF.0.to_owned(), seen.share_left_out);
+    let comparison = Comparison::new(&seen.reference, &seen.test, share);
+    // Derivatives are those of all pixels of a block.
+    let known = if seen.share_left_out > 0.0 {
+        &[]
+    } else {
+        sensitivities
+    };
+    let mut judgement = judgement(&comparison, share, promise, known);
+    let left_out = (CUT_OFF.0.to_owned(), seen.share_left_out);
+    judgement.metrics.extend([left_out]);
     Ok(judgement)
 }
 
@@ -321,10 +277,9 @@ fn judgement(
 ) -> Judgement {
     let mut metrics = Metrics::new();
     let limits = Limits::new(comparison, level);
-    let resolution = limits.resolution();
-    let mean_resolution = limits.mean_resolution();
-    metrics.push(("smallest_visible_bias", mean_resolution));
-    metrics.push(("smallest_visible_block_bias", resolution));
+    let visible = limits.visible(comparison, true);
+    metrics.push(("smallest_visible_bias", visible[0]));
+    metrics.push(("smallest_visible_block_bias", visible[1]));
 
     // The whole image comes first: much of the rest follows from it.
     let whole = judge_whole(comparison, level, &mut metrics);
@@ -340,48 +295,50 @@ fn judgement(
     let numbers = judge_numbers(comparison, sensitivities, level, deviations, &mut metrics);
     faults.extend(numbers.fault);
     let pixels = PixelDifferences::new(comparison);
+    let hits = Hits::of(comparison.films);
     if let [Some(a), Some(b)] = comparison.numbers() {
         faults.extend(pixels.judge_far(level, &mut metrics));
         faults.extend(pixels.judge_contrary([a, b], level, &mut metrics));
-        faults.extend(pixels.judge_black(level, &mut metrics));
+        faults.extend(judge_black(comparison, &hits, level, &mut metrics));
     }
     faults.extend(judge_black_lines(comparison, level));
     faults.extend(judge_one_variance(comparison));
     let copied = pixels.judge_copied(level, &mut metrics);
+    let copied = judge_repeated(comparison, &hits, 0.5 * level).or(copied);
     // A copy has too little noise, which goes without saying.
     let amount = judge_amount(comparison, level, &mut metrics).filter(|_| copied.is_none());
     faults.extend(copied);
     faults.extend(amount);
-    let together = judge_neighbours(comparison, level, &mut metrics);
+    let together = judge_neighbours(comparison, level, is_biased, &mut metrics);
     // That neighbours are off together where whole regions are goes without saying, too.
-    if let Some(together) = together.filter(|_| !is_off) {
-        let rejected = worst.probabilities.chunks(3).map(|of_block| {
-            let smallest = of_block.iter().copied().fold(1.0, f64::min);
-            smallest * comparison.asked() as f64 <= level
-        });
-        faults.extend(together.reason(comparison, &rejected.collect::<Vec<_>>(), is_biased));
-    }
+    faults.extend(together.filter(|_| !is_off));
 
     let passed = faults.is_empty();
     let undecided = promise
         .filter(|_| passed)
         .and_then(|promise| limits.undecided(&promise));
-    let visible = VisibleBias {
-        of_mean: mean_resolution,
-        of_blocks: resolution,
-        noise: format!(
-            "largest block deviation {:.1} standard errors; up to {:.1} is expected by chance \
-             among {} blocks × channels",
-            finite(worst.deviation().abs()),
-            limits.of_block(worst.block, worst.channel),
-            comparison.asked(),
-        ),
-    };
+    let noise = format!(
+        "largest block deviation {:.1} standard errors; up to {:.1} is expected by chance among {} blocks × channels",
+        finite(worst.deviation().abs()),
+        limits.of_block(worst.block, worst.channel),
+        comparison.asked(),
+    );
     let reason = match (undecided, promise) {
         (Some((undecided, required)), Some(promise)) => {
-            visible.too_large(&undecided, required, &promise)
+            format!(
+                "{}: {noise}",
+                too_noisy(visible, &undecided, required, &promise)
+            )
         }
-        _ if passed => visible.in_words(numbers.detectable.first()),
+        _ if passed => {
+            let [of_mean, of_blocks] = visible.map(percent);
+            let of_number = numbers.detectable.first();
+            let of_number = of_number.map_or(String::new(), |it| format!("{}, ", it.words));
+            format!(
+                "no difference beyond noise; detectable bias {of_number}{of_mean} for the image mean, {of_blocks} within \
+                 single blocks (90th percentile); {noise}"
+            )
+        }
         _ => faults.join("; "),
     };
     let undecided = undecided.map(|(undecided, _)| undecided);
@@ -394,8 +351,34 @@ fn judgement(
         undecided,
         changes: numbers.changes,
         detectable: numbers.detectable,
-        ..Judgement::new(&Stochastic, passed, reason, &metrics)
+        ..Judgement::new(Gate::Stochastic, passed, reason, &metrics)
     }
+}
+
+/// Sentence for two images that agree, and could have hidden a bias of the mean and of blocks that is larger than
+/// `required`.
+fn too_noisy(
+    visible: [f64; 2],
+    advice: &Undecided,
+    required: [f64; 2],
+    promise: &Promise,
+) -> String {
+    let why = if required == [promise.mean, promise.block.unwrap_or(f64::INFINITY)] {
+        ""
+    } else {
+        " (less than usual, for the noise of the reference hides a quarter of it)"
+    };
+    let is_of_blocks = required[1].is_finite();
+    let [[seen, required], [of_blocks, of_block]] =
+        [0, 1].map(|i| [visible[i], required[i]].map(percent));
+    let of_block = match is_of_blocks {
+        true => format!("; of single blocks (90th percentile) {of_blocks}, required {of_block}"),
+        false => String::new(),
+    };
+    format!(
+        "too noisy to decide: detectable bias of the mean {seen}, required {required}{of_block}{why}; {advice}; no \
+         difference beyond noise"
+    )
 }
 
 fn percent(share: f64) -> String {

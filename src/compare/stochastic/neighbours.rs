@@ -185,111 +185,43 @@ fn axes(comparison: &Comparison<'_>, unit: Unit) -> [NeighbourAxis; 2] {
     axes
 }
 
+/// Correlation of neighbours in flat blocks, from which it is that of a filter. The mean of 2 × 2 pixels has a half,
+/// wider filters more. A bias has it in the few blocks in which it is; where it is in most, the image is off on the whole.
+const SMOOTH: f64 = 0.25;
+
+/// Reason for a correlation: a filter leaves no pixel its own noise, and a bias does, whose neighbours agree only because
+/// the region they lie in is off. Nothing is said of one that is known to be there (`is_biased`).
 pub(super) fn judge_neighbours(
     comparison: &Comparison<'_>,
     level: f64,
+    is_biased: bool,
     metrics: &mut Metrics,
-) -> Option<Together> {
+) -> Option<String> {
     let [noise, spread] = [Unit::Noise, Unit::Spread].map(|unit| axes(comparison, unit));
     let [across, down] = noise.map(|axis| axis.correlation());
     metrics.push(("correlation_across", across));
     metrics.push(("correlation_down", down));
     let by_noise = noise.map(|axis| axis.probability(0.0));
     let by_spread = spread.map(|axis| axis.probability(CORRELATED));
-    let probabilities = [by_noise, by_spread].concat();
-    let larger = |axis: usize| noise[axis].correlation().max(spread[axis].correlation());
-    (holm(&probabilities, level) > 0).then(|| Together([0, 1].map(larger)))
-}
-
-/// Neighbours that are off together: their correlation across and down.
-pub(super) struct Together([f64; 2]);
-
-impl Together {
-    /// Reason for the correlation, in words: a filter leaves no pixel its own noise, and a bias
-    /// does, whose neighbours agree only because the region they lie in is off. `rejected` are
-    /// blocks in which there is a bias; nothing is said of one that is known to be there
-    /// (`is_biased`).
-    pub fn reason(
-        &self,
-        comparison: &Comparison<'_>,
-        rejected: &[bool],
-        is_biased: bool,
-    ) -> Option<String> {
-        let [across, down] = self.0;
-        let found = format!(
-            "differences of neighbouring pixels are correlated ({across:.2} across, {down:.2} down; \
-             independent samples: 0)"
-        );
-        if is_smooth(comparison, rejected) {
-            return Some(format!(
-                "{found}: too smooth for noise; possible causes: denoising, smoothing, a filter wider \
-                 than a pixel, random numbers shared by pixels"
-            ));
-        }
-        (!is_biased).then(|| {
-            format!(
-                "{found}, and no block differs beyond noise: regions too bright or too dark, displaced \
-                 edges, or noise that a denoiser spread over regions"
-            )
-        })
+    if holm(&[by_noise, by_spread].concat(), level) == 0 {
+        return None;
     }
-}
-
-/// Correlation of neighbours, beside the plane through their block, from which it is that of a
-/// filter. The mean of 2 × 2 pixels has a half, wider filters more, of which a plane takes less
-/// than a third in 8 × 8 pixels; noise alone has a little less than 0.
-const SMOOTH: f64 = 0.25;
-
-/// True if neighbours are off together in detail, in most blocks that have no bias of their own.
-fn is_smooth(comparison: &Comparison<'_>, rejected: &[bool]) -> bool {
-    let [reference, test] = comparison.films.map(|film| film.radiance());
-    let (mut found, mut asked) = (Vec::new(), 0);
-    for (block, is_rejected) in comparison.blocks.iter().zip(rejected) {
-        let (width, height) = (block.columns.len(), block.rows.len());
-        if width < BLOCK || height < BLOCK {
-            continue;
-        }
-        for c in 0..3 {
-            let indices = block.indices(comparison.films[0].width());
-            let difference = |i: usize| f64::from(test[i][c]) - f64::from(reference[i][c]);
-            let pixels: Vec<f64> = indices.map(difference).collect();
-            let correlation = correlation_beside_plane(&pixels, width);
-            asked += usize::from(correlation.is_some());
-            found.extend(correlation.filter(|_| !is_rejected));
-        }
+    let flat = spread.map(|axis| axis.correlation());
+    let found = format!(
+        "differences of neighbouring pixels are correlated ({:.2} across, {:.2} down; independent samples: 0)",
+        across.max(flat[0]),
+        down.max(flat[1])
+    );
+    if flat[0].max(flat[1]) > SMOOTH {
+        return Some(format!(
+            "{found}: too smooth for noise; possible causes: denoising, smoothing, a filter wider \
+             than a pixel, random numbers shared by pixels"
+        ));
     }
-    // Where nearly all have a bias, the few others say nothing of noise.
-    found.len() * 8 >= asked && median(found) > SMOOTH
-}
-
-/// Correlation of the neighbours across and down, in the residual of a plane fitted to rows of
-/// `width` pixels; `None` where the residual is zero.
-fn correlation_beside_plane(pixels: &[f64], width: usize) -> Option<f64> {
-    let height = pixels.len() / width;
-    // From the middle: the three terms of a plane are then orthogonal on a grid.
-    let column = |i: usize| (i % width) as f64 - 0.5 * (width - 1) as f64;
-    let row = |i: usize| (i / width) as f64 - 0.5 * (height - 1) as f64;
-    let slope = |along: &dyn Fn(usize) -> f64| {
-        let products = pixels.iter().enumerate().map(|(i, value)| value * along(i));
-        let squares: f64 = (0..pixels.len()).map(|i| along(i) * along(i)).sum();
-        products.sum::<f64>() / squares
-    };
-    let mean = pixels.iter().sum::<f64>() / pixels.len() as f64;
-    let (to_the_right, down) = (slope(&column), slope(&row));
-    let left = |i: usize| pixels[i] - mean - to_the_right * column(i) - down * row(i);
-    let left: Vec<f64> = (0..pixels.len()).map(left).collect();
-    let (mut products, mut squares) = (0.0, 0.0);
-    let mut add = |a: f64, b: f64| {
-        products += a * b;
-        squares += 0.5 * (a * a + b * b);
-    };
-    for (i, &here) in left.iter().enumerate() {
-        if i % width + 1 < width {
-            add(here, left[i + 1]);
-        }
-        if let Some(&below) = left.get(i + width) {
-            add(here, below);
-        }
-    }
-    (squares > 0.0).then(|| products / squares)
+    (!is_biased).then(|| {
+        format!(
+            "{found}, and no block differs beyond noise: regions too bright or too dark, displaced \
+             edges, or noise that a denoiser spread over regions"
+        )
+    })
 }

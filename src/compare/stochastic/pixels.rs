@@ -1,7 +1,6 @@
 //! Tests of single pixels: too many outliers, differences without noise, black without cause,
 //! copied values.
 
-use super::super::places::lines;
 use super::super::significance::{at_least, deviation, holm};
 use super::Metrics;
 use super::blocks::{DARK, Difference};
@@ -27,10 +26,6 @@ pub(super) struct PixelDifferences {
     noisy: u64,
     /// Noisy pixels with the same bits in both images.
     copied: u64,
-    /// Lines of pixels that repeat the line before.
-    repeated: Option<Repeated>,
-    /// Black pixels, and the number expected by chance.
-    black: BlackPixels,
 }
 
 impl PixelDifferences {
@@ -55,9 +50,6 @@ impl PixelDifferences {
             pixels.noisy += u64::from(is_noisy);
             pixels.copied += u64::from(is_noisy && a == b);
         }
-        let hits = Hits::of(reference, test);
-        pixels.black = BlackPixels::of(comparison, &hits).unwrap_or_default();
-        pixels.repeated = Repeated::of(comparison, &hits);
         pixels
     }
 
@@ -97,55 +89,11 @@ impl PixelDifferences {
         })
     }
 
-    /// Test for black pixels, where the test image states its noise and the number of its samples.
-    pub fn judge_black(&self, level: f64, metrics: &mut Metrics) -> Option<String> {
-        let BlackPixels {
-            count,
-            expected,
-            least,
-            considered,
-            first,
-            together,
-            ends,
-        } = self.black;
-        metrics.push(("black_pixels", count as f64));
-        // Half of that for the one that is least likely, half for their number; of both bounds on a probability
-        // the smaller was taken, so that each has half again.
-        let is_unlikely = least * considered as f64 <= 0.125 * level;
-        let are_many = many_by_chance(count, expected) <= 0.125 * level;
-        (count > 0 && (is_unlikely || are_many)).then(|| {
-            format!(
-                "{}{}, such as ({}, {}): {}{}",
-                match count {
-                    1 => "a pixel is black".to_owned(),
-                    many => format!("{many} pixels are black"),
-                },
-                rectangle(count, ends).unwrap_or_default(),
-                first[0],
-                first[1],
-                if is_unlikely {
-                    format!("by the light around it, {}", chance("that one", least))
-                } else {
-                    format!("chance would make some {expected:.0} black")
-                },
-                // Where geometry is missing or moved, whole regions are black.
-                if together { "" } else { CAUSES }
-            )
-        })
-    }
-
     pub fn judge_copied(&self, level: f64, metrics: &mut Metrics) -> Option<String> {
         metrics.push(("copied_pixels", self.copied as f64));
         // No number of normal noise above its rounding is likelier than 0.4, no number of events
         // other than none likelier than 1/e, no side of a coin thrown twice than 1/2. Half of the share is that
         // of repeated lines.
-        if let Some(repeated) = self
-            .repeated
-            .as_ref()
-            .filter(|it| it.is_rejected(0.5 * level))
-        {
-            return Some(repeated.in_words());
-        }
         (at_least(self.copied, self.noisy, 0.5) <= 0.5 * level).then(|| {
             let what = if self.copied == self.noisy {
                 "it is the same image, not an independent estimate"
@@ -158,43 +106,6 @@ impl PixelDifferences {
             )
         })
     }
-}
-
-/// Pixels of the test image that are exactly 0 in all channels, and their expected number by noise.
-///
-/// A mean of n samples that are not negative is 0 only if all of them are. By Cantelli's inequality a
-/// sample of mean μ and variance σ² is 0 with a probability of σ²/(σ² + μ²) at most, all n with the
-/// n-th power of that, whatever their distribution; for light that either arrives or does not it is
-/// exact. The mean is the golden's. The variance of a sample is the larger of the golden's and of
-/// the largest that the test image states for any pixel up to two away: a renderer that finds light
-/// by chance has much of it, and a black pixel knows nothing of its own. One wild sample near by makes that
-/// bound useless, so that there is a second one, of the samples near by that are not 0: see the file
-/// `hits.rs`.
-///
-/// Source: Cantelli 1928, Atti del Congresso Internazionale dei Matematici 6, 47–59.
-#[derive(Clone, Copy, Debug, Default)]
-struct BlackPixels {
-    count: u64,
-    /// Upper bound on their mean number in a correct image.
-    expected: f64,
-    /// Upper bound on the probability of the least likely of them, among all pixels considered.
-    least: f64,
-    considered: u64,
-    first: [usize; 2],
-    /// True if one of them has a black neighbour in its row and one in its column.
-    together: bool,
-    /// The least and the greatest column and row of them.
-    ends: [[usize; 2]; 2],
-}
-
-/// Where `count` pixels between two columns and rows lie, if they fill the rectangle between them.
-fn rectangle(count: u64, [least, greatest]: [[usize; 2]; 2]) -> Option<String> {
-    let [columns, rows] = [0, 1].map(|axis| greatest[axis] + 1 - least[axis]);
-    (count > 1 && (columns * rows) as u64 == count).then(|| {
-        let [columns, rows] = [("column", 0), ("row", 1)]
-            .map(|(name, axis)| lines(name, [least[axis], greatest[axis]]));
-        format!(", all in {columns} and {rows}")
-    })
 }
 
 /// Causes of single black pixels, and of single rows and columns.
@@ -213,169 +124,186 @@ pub(super) fn chance(what: &str, probability: f64) -> String {
     )
 }
 
+/// Test for black pixels, where both images state the number of their samples.
+pub(super) fn judge_black(
+    comparison: &Comparison<'_>,
+    hits: &Hits,
+    level: f64,
+    metrics: &mut Metrics,
+) -> Option<String> {
+    let [golden, test] = comparison.films;
+    let width = golden.width();
+    let considered = chances_of_black(comparison, hits).unwrap_or_default();
+    let is_black = |at: usize| test.radiance()[at] == [0.0; 3];
+    let black = considered.iter().filter(|(at, _)| is_black(*at));
+    let count = black.clone().count();
+    metrics.push(("black_pixels", count as f64));
+    let &(first, least) = black.clone().min_by(|(_, a), (_, b)| a.total_cmp(b))?;
+    let expected: f64 = considered.iter().map(|(_, chance)| chance).sum();
+    // Half of that share for the one that is least likely, half for their number; of both bounds on a probability
+    // the smaller was taken, so that each has half again.
+    let is_unlikely = least * considered.len() as f64 <= 0.125 * level;
+    let are_many = many_by_chance(count as f64, expected) <= 0.125 * level;
+    // Where geometry is missing or moved, whole regions are black.
+    let is_within = |&(at, _): &(usize, f64)| {
+        let has_beside = |at: usize| golden.radiance()[at] != [0.0; 3] && is_black(at);
+        let row = at - at % width..at - at % width + width;
+        let [across, down] = [1, width].map(|step| [at.checked_sub(step), Some(at + step)]);
+        let is_in_row = |at: &usize| row.contains(at);
+        let is_in_image = |at: &usize| *at < golden.radiance().len();
+        across
+            .into_iter()
+            .flatten()
+            .filter(is_in_row)
+            .any(has_beside)
+            && down
+                .into_iter()
+                .flatten()
+                .filter(is_in_image)
+                .any(has_beside)
+    };
+    (is_unlikely || are_many).then(|| {
+        format!(
+            "{}, such as ({}, {}): {}{}",
+            match count {
+                1 => "a pixel is black".to_owned(),
+                many => format!("{many} pixels are black"),
+            },
+            first % width,
+            first / width,
+            if is_unlikely {
+                format!("by the light around it, {}", chance("that one", least))
+            } else {
+                format!("chance would make some {expected:.0} black")
+            },
+            if black.clone().any(is_within) {
+                ""
+            } else {
+                CAUSES
+            }
+        )
+    })
+}
+
 /// Radius in pixels of the neighbourhood whose variance a black pixel may have.
 const REACH: usize = 2;
 
-impl BlackPixels {
-    /// Black pixels of a comparison; `None` where the samples of an image are unknown.
-    fn of(comparison: &Comparison<'_>, hits: &Hits) -> Option<BlackPixels> {
-        let (of_golden, of_test) = match comparison.stated {
-            [Stated::Samples(of_golden), Stated::Samples(of_test)] => (of_golden, of_test),
-            // It has no noise; of a sample of the test image the guard says more.
-            [Stated::Known, Stated::Samples(of_test)] => (0.0, of_test),
-            _ => return None,
-        };
-        let [golden, test] = comparison.films;
-        // Rounding to 8 bits makes black of means that are not.
-        if test.quantisation().is_some() {
-            return None;
-        }
-        let (width, height) = (golden.width(), golden.height());
-        let [golden_noise, test_noise] = [golden.noise()?, test.noise()?];
-        let mut black = BlackPixels::default();
-        for index in 0..width * height {
-            let [x, y] = [index % width, index / width];
-            let mut likeliest = 1.0_f64;
-            for c in 0..3 {
-                let mean = f64::from(golden.radiance()[index][c]);
-                // Nearly black values may be rounded to black.
-                if mean <= DARK {
-                    continue;
-                }
-                let mut variance = if comparison.shape.is_known {
-                    comparison.shape.guard([0.0; 2], mean)[1] * of_test
-                } else {
-                    0.0
-                };
-                for other in around(index, [width, height], REACH) {
-                    let stated = f64::from(test_noise.variance()[other][c]);
-                    variance = variance.max(stated * of_test);
-                    let stated = f64::from(golden_noise.variance()[other][c]);
-                    variance = variance.max(stated * of_golden);
-                }
-                // All channels have to be 0, which is no likelier than that one is.
-                likeliest = likeliest.min(all_zero(of_test, mean, variance));
-            }
-            if likeliest == 1.0 {
-                continue;
-            }
-            likeliest = likeliest.min(hits.none_at(x, y));
-            black.expected += likeliest;
-            black.considered += 1;
-            if test.radiance()[index] == [0.0; 3] {
-                if black.count == 0 {
-                    black.least = 1.0;
-                    black.ends = [[x, y]; 2];
-                }
-                let [least, greatest] = &mut black.ends;
-                *least = [least[0].min(x), least[1].min(y)];
-                *greatest = [greatest[0].max(x), greatest[1].max(y)];
-                if likeliest < black.least {
-                    (black.least, black.first) = (likeliest, [x, y]);
-                }
-                black.count += 1;
-                let is_black = |at: usize| {
-                    golden.radiance()[at] != [0.0; 3] && test.radiance()[at] == [0.0; 3]
-                };
-                let across = x > 0 && is_black(index - 1) || x + 1 < width && is_black(index + 1);
-                let down =
-                    y > 0 && is_black(index - width) || y + 1 < height && is_black(index + width);
-                black.together |= across && down;
-            }
-        }
-        Some(black)
+/// Upper bounds on the probability with which noise makes pixels of the test image 0 in all channels, by index;
+/// `None` where the samples of an image are unknown.
+///
+/// A mean of n samples that are not negative is 0 only if all of them are. By Cantelli's inequality a
+/// sample of mean μ and variance σ² is 0 with a probability of σ²/(σ² + μ²) at most, all n with the
+/// n-th power of that, whatever their distribution; for light that either arrives or does not it is
+/// exact. The mean is the golden's. The variance of a sample is the larger of the golden's and of
+/// the largest that the test image states for any pixel up to two away: a renderer that finds light
+/// by chance has much of it, and a black pixel knows nothing of its own. One wild sample near by makes that
+/// bound useless, so that there is a second one, of the samples near by that are not 0: see the file
+/// `hits.rs`.
+///
+/// Source: Cantelli 1928, Atti del Congresso Internazionale dei Matematici 6, 47–59.
+fn chances_of_black(comparison: &Comparison<'_>, hits: &Hits) -> Option<Vec<(usize, f64)>> {
+    let samples = match comparison.stated {
+        [Stated::Samples(of_golden), Stated::Samples(of_test)] => [of_golden, of_test],
+        // It has no noise; of a sample of the test image the guard says more.
+        [Stated::Known, Stated::Samples(of_test)] => [0.0, of_test],
+        _ => return None,
+    };
+    let [golden, test] = comparison.films;
+    // Rounding to 8 bits makes black of means that are not.
+    if test.quantisation().is_some() {
+        return None;
     }
+    let size = [golden.width(), golden.height()];
+    let bound = |index: usize| {
+        let of_channel = |c: usize| {
+            let mean = f64::from(golden.radiance()[index][c]);
+            let [_, known] = comparison.shape.guard([0.0; 2], mean);
+            let of_pixel = |at: usize| {
+                let stated = comparison.films.map(|film| film.variance_at(at, c));
+                (stated[0] * samples[0]).max(stated[1] * samples[1])
+            };
+            let near = around(index, size, REACH).map(of_pixel);
+            let variance = near.fold(known * samples[1], f64::max);
+            // Nearly black values may be rounded to black.
+            (mean > DARK).then(|| all_zero(samples[1], mean, variance))
+        };
+        // All channels have to be 0, which is no likelier than that one is.
+        let bound = (0..3).filter_map(of_channel).fold(1.0, f64::min);
+        (bound < 1.0).then(|| {
+            (
+                index,
+                bound.min(hits.none_at(index % size[0], index / size[0])),
+            )
+        })
+    };
+    Some((0..size[0] * size[1]).filter_map(bound).collect())
 }
 
 /// Least number of samples that are not 0 in the pixels beside a pair, and of those that are: of light that arrives
 /// in most samples or in few, many pixels have the same mean.
 const VARIED: f64 = 3.0;
 
-/// The line of the test image whose pixels repeat those of the line before most certainly: a renderer that never
-/// wrote it, or that enlarged an image. Means of independent samples are equal with a probability of 1/2 at most
+/// A reason if a line of the test image repeats the pixels of the line before: a renderer never wrote it, or
+/// enlarged an image. Means of independent samples are equal with a probability of 1/2 at most
 /// where their number that is not 0 varies, which the pixels on both sides of a pair show: a pair cannot be chosen
 /// by its own.
-struct Repeated {
-    axis: Axis,
-    line: usize,
-    /// Pixels that are the same as those before, and of how many.
-    count: [u64; 2],
-    /// Probability of that, times the number of lines.
-    probability: f64,
-}
-
-impl Repeated {
-    fn of(comparison: &Comparison<'_>, hits: &Hits) -> Option<Repeated> {
-        let [_, test] = comparison.films;
-        let noise = test.noise().filter(|_| test.quantisation().is_none())?;
-        let samples = f64::from(noise.samples());
-        let rounding = comparison.rounding;
-        let is_varied = |i: usize| {
-            let hits = hits.of_test[i];
-            hits >= VARIED && samples - hits >= VARIED
-        };
-        // Beyond a rounding to either side.
-        let is_noisy = |i: usize| {
-            (0..3).any(|c| {
-                let value = f64::from(test.radiance()[i][c]);
-                let step = 2.0 * Difference::of(value, value, 0.0, rounding).rounding;
-                test.variance_at(i, c) > step * step
-            })
-        };
-        let (width, height) = (test.width(), test.height());
-        let mut all = Vec::new();
-        for axis in Axis::BOTH {
-            let [lines, length] = axis.lines([width, height]);
-            let index = |line: usize, at: usize| axis.index(width, line, at);
-            for line in 1..lines {
-                let beside = [line.checked_sub(2), (line + 1 < lines).then_some(line + 1)];
-                let is_asked = |at: &usize| {
-                    let mut beside = beside.iter().flatten();
-                    beside.all(|&other| is_varied(index(other, *at))) && is_noisy(index(line, *at))
-                };
-                let mut count = [0; 2];
-                for at in (0..length).filter(is_asked) {
-                    let [before, here] =
-                        [line - 1, line].map(|line| test.radiance()[index(line, at)]);
-                    count[0] += u64::from(before == here);
-                    count[1] += 1;
-                }
-                all.push((axis, line, count));
-            }
+pub(super) fn judge_repeated(
+    comparison: &Comparison<'_>,
+    hits: &Hits,
+    level: f64,
+) -> Option<String> {
+    let [_, test] = comparison.films;
+    let noise = test.noise().filter(|_| test.quantisation().is_none())?;
+    let samples = f64::from(noise.samples());
+    let is_varied = |i: usize| {
+        let hits = hits.of_test[i];
+        hits >= VARIED && samples - hits >= VARIED
+    };
+    // Beyond a rounding to either side.
+    let is_noisy = |i: usize| {
+        (0..3).any(|c| {
+            let value = f64::from(test.radiance()[i][c]);
+            let step = 2.0 * Difference::of(value, value, 0.0, comparison.rounding).rounding;
+            test.variance_at(i, c) > step * step
+        })
+    };
+    let (width, height) = (test.width(), test.height());
+    // By chance, with the number of the line, and of its pixels that are the same as those before.
+    let mut all = Vec::new();
+    for axis in Axis::BOTH {
+        let [lines, length] = axis.lines([width, height]);
+        let index = |line: usize, at: usize| axis.index(width, line, at);
+        for line in 1..lines {
+            let beside = [line.checked_sub(2), (line + 1 < lines).then_some(line + 1)];
+            let is_asked = |at: &usize| {
+                let mut beside = beside.iter().flatten();
+                beside.all(|&other| is_varied(index(other, *at))) && is_noisy(index(line, *at))
+            };
+            let asked = (0..length).filter(is_asked);
+            let is_same = |&at: &usize| {
+                test.radiance()[index(line - 1, at)] == test.radiance()[index(line, at)]
+            };
+            let [same, count] = [asked.clone().filter(is_same).count(), asked.count()];
+            let chance = at_least(same as u64, count as u64, 0.5);
+            all.push((chance, axis.name(), line, [same, count]));
         }
-        let lines = all.len() as f64;
-        let repeated = all.into_iter().map(|(axis, line, count)| Repeated {
-            axis,
-            line,
-            count,
-            probability: lines * at_least(count[0], count[1], 0.5),
-        });
-        repeated.min_by(|a, b| a.probability.total_cmp(&b.probability))
     }
-
-    fn is_rejected(&self, level: f64) -> bool {
-        self.probability <= level
-    }
-
-    fn in_words(&self) -> String {
-        let what = self.axis.name();
+    let lines = all.len() as f64;
+    let (chance, what, line, [same, count]) = all.into_iter().min_by(|a, b| a.0.total_cmp(&b.0))?;
+    (lines * chance <= level).then(|| {
         format!(
-            "{} of {} noisy pixels of {what} {} are bit-identical to those of {what} {}: part of the image is \
+            "{same} of {count} noisy pixels of {what} {line} are bit-identical to those of {what} {}: part of the image is \
              repeated",
-            self.count[0],
-            self.count[1],
-            self.line,
-            self.line - 1
+            line - 1
         )
-    }
+    })
 }
 
 /// Upper bound on the probability that `count` or more independent events happen, whose expected
 /// number is `expected`.
 ///
 /// Source: Chernoff 1952, Annals of Mathematical Statistics 23, 493–507.
-fn many_by_chance(count: u64, expected: f64) -> f64 {
-    let count = count as f64;
+fn many_by_chance(count: f64, expected: f64) -> f64 {
     if count <= expected {
         return 1.0;
     }
@@ -422,10 +350,10 @@ mod tests {
     #[test]
     fn few_events_of_many_are_no_chance() {
         // One of a mean of 1e-9: e·1e-9 at most.
-        assert!((many_by_chance(1, 1e-9) / 1e-9 - crate::math::exp(1.0)).abs() < 1e-6);
-        assert_eq!(many_by_chance(3, 4.0), 1.0);
-        assert_eq!(many_by_chance(1, 0.0), 0.0);
+        assert!((many_by_chance(1.0, 1e-9) / 1e-9 - crate::math::exp(1.0)).abs() < 1e-6);
+        assert_eq!(many_by_chance(3.0, 4.0), 1.0);
+        assert_eq!(many_by_chance(1.0, 0.0), 0.0);
         // Six where one is expected: e⁵/6⁶.
-        assert!((many_by_chance(6, 1.0) - crate::math::exp(5.0) / 46656.0).abs() < 1e-9);
+        assert!((many_by_chance(6.0, 1.0) - crate::math::exp(5.0) / 46656.0).abs() < 1e-9);
     }
 }

@@ -21,24 +21,6 @@ const SAFETY: f64 = 3.0 * SQRT_2;
 /// Largest safety factor on the advice, for very rough estimates of the noise.
 const MOST_SAFETY: f64 = 2.0;
 
-/// Use of the rounding to 8 bits.
-#[derive(Clone, Copy)]
-enum Codes {
-    /// It hides differences.
-    Hide,
-    /// It does not count: only noise hides differences.
-    Ignored,
-}
-
-impl Codes {
-    fn rounding(self, difference: &Difference) -> f64 {
-        match self {
-            Codes::Hide => difference.rounding,
-            Codes::Ignored => difference.rounding - difference.half_codes,
-        }
-    }
-}
-
 /// Deviations at which blocks are rejected, by how their variance is known, and at which the whole
 /// image is.
 pub(super) struct Limits<'c> {
@@ -82,20 +64,31 @@ impl<'c> Limits<'c> {
         ]
     }
 
-    /// The bias that nine tenths of the blocks would show with probability one half at least,
-    /// relative to the mean of the block plus [`DARK`](super::DARK).
-    pub fn resolution(&self) -> f64 {
-        self.resolution_of(self.comparison, Codes::Hide)
-    }
-
-    /// Resolution in a comparison with other variances; with what rounding to 8 bits hides, or without.
-    fn resolution_of(&self, comparison: &Comparison<'_>, codes: Codes) -> f64 {
-        let visible = |block: &Block, channel: usize| {
+    /// The biases that would show with probability one half at least in `comparison`, of these or of other variances: of
+    /// the mean of the image in each channel, and of nine tenths of the blocks, relative to the mean plus
+    /// [`DARK`](super::DARK). With what codes of 8 bits hide, or with noise alone.
+    pub fn visible(&self, comparison: &Comparison<'_>, codes_hide: bool) -> [f64; 2] {
+        let rounding = |difference: &Difference| {
+            difference.rounding
+                - if codes_hide {
+                    0.0
+                } else {
+                    difference.half_codes
+                }
+        };
+        let totals = comparison.totals();
+        let of_mean = [0, 1, 2].map(|c| {
+            let variance = comparison.variance_of_whole(&totals[c]);
+            let floor: f64 = comparison.blocks.iter().map(|block| block.floor(c)).sum();
+            (self.whole * variance.sqrt() + rounding(&totals[c].difference)) / floor
+        });
+        let of_block = |block: &Block, channel: usize| {
             let [own, guard] = self.terms(block, channel);
-            let rounding = codes.rounding(&block.channels[channel].difference);
+            let rounding = rounding(&block.channels[channel].difference);
             (own.max(guard).sqrt() + rounding) / block.floor(channel)
         };
-        finite(of_nine_tenths(comparison, visible))
+        let of_mean = of_mean.into_iter().fold(0.0, f64::max);
+        [of_mean, of_nine_tenths(&comparison.blocks, of_block)].map(finite)
     }
 
     /// Standard errors at which a block and the mean of the image are rejected, by the finer image's noise.
@@ -115,34 +108,11 @@ impl<'c> Limits<'c> {
         }
     }
 
-    /// The bias of the mean of the image that each channel would show with probability one half at
-    /// least, relative to that mean plus [`DARK`](super::DARK).
-    pub fn mean_resolution(&self) -> f64 {
-        self.mean_resolution_of(self.comparison, Codes::Hide)
-    }
-
-    /// Resolution in a comparison with other variances; with what rounding to 8 bits hides, or without.
-    fn mean_resolution_of(&self, comparison: &Comparison<'_>, codes: Codes) -> f64 {
-        let totals = comparison.totals();
-        let visible = [0, 1, 2].map(|c| {
-            let variance = comparison.variance_of_whole(&totals[c]);
-            let floor: f64 = comparison.blocks.iter().map(|block| block.floor(c)).sum();
-            let rounding = codes.rounding(&totals[c].difference);
-            (self.whole * variance.sqrt() + rounding) / floor
-        });
-        finite(visible.into_iter().fold(0.0, f64::max))
-    }
-
     /// The samples that it takes to keep `promise`, if the images do not, asked as this gate judges; and the biases of
     /// the mean and of blocks that the promise asks for.
     pub fn undecided(&self, promise: &Promise) -> Option<(Undecided, [f64; 2])> {
         // The precision of an image is declared: no samples make up for it, and none are asked for.
-        let seen = |comparison: &Comparison<'_>| {
-            [
-                self.mean_resolution_of(comparison, Codes::Ignored),
-                self.resolution_of(comparison, Codes::Ignored),
-            ]
-        };
+        let seen = |comparison: &Comparison<'_>| self.visible(comparison, false);
         let hidden = seen(&self.comparison.with_samples(MOST_TIMES));
         let required = promise.required(hidden);
         let keeps = |[mean, block]: [f64; 2]| mean <= required[0] && block <= required[1];
@@ -175,11 +145,12 @@ impl<'c> Limits<'c> {
 }
 
 /// The number that nine tenths of the blocks and channels do not exceed.
-fn of_nine_tenths(comparison: &Comparison<'_>, each: impl Fn(&Block, usize) -> f64) -> f64 {
-    let blocks = comparison.blocks.iter();
-    let mut values: Vec<f64> = blocks
-        .flat_map(|block| [0, 1, 2].map(|channel| each(block, channel)))
-        .collect();
+pub(super) fn of_nine_tenths(blocks: &[Block], each: impl Fn(&Block, usize) -> f64) -> f64 {
+    let each = &each;
+    let values = blocks
+        .iter()
+        .flat_map(|block| [0, 1, 2].map(|channel| each(block, channel)));
+    let mut values: Vec<f64> = values.collect();
     let at = (values.len() * 9).div_ceil(10) - 1;
     *values.select_nth_unstable_by(at, f64::total_cmp).1
 }

@@ -30,9 +30,7 @@
 //! The parameter with the largest score is named. What it leaves, and which others do as well, the
 //! [search for a cause](crate::naming) tells, with scenes rendered anew.
 
-use super::blocks::Block;
 use super::comparison::Comparison;
-use super::values;
 use crate::compare::judgement::{Detectable, NumberChange};
 use crate::compare::sensitivity::Sensitivity;
 use crate::compare::significance::deviation;
@@ -335,15 +333,11 @@ fn critical(level: f64) -> f64 {
 fn cells(comparison: &Comparison<'_>, sensitivities: &[&Sensitivity]) -> Vec<Cell> {
     let mut cells = Vec::with_capacity(comparison.asked());
     for (at, block) in comparison.blocks.iter().enumerate() {
-        let (pixels, share_seen) = (block.pixels() as f64, share_seen(comparison, block));
+        let pixels = block.pixels() as f64;
         for (c, channel) in block.channels.iter().enumerate() {
             let floor = FLOOR * block.floor(c);
             let derivatives = sensitivities.iter().map(|sensitivity| {
                 let film = &sensitivity.derivative;
-                // A derivative by a number of the scene is that of all pixels of a block, one by values of what
-                // is seen.
-                let is_of_seen = values::is_of_seen(&sensitivity.name);
-                let pixels = pixels * if is_of_seen { 1.0 } else { share_seen };
                 let variance = film.variance_at(at, c);
                 [
                     f64::from(film.radiance()[at][c]) * pixels,
@@ -362,16 +356,6 @@ fn cells(comparison: &Comparison<'_>, sensitivities: &[&Sensitivity]) -> Vec<Cel
         }
     }
     cells
-}
-
-/// Share of the pixels of a block that an image of 8 bits does not [cut off](super::cut_off).
-fn share_seen(comparison: &Comparison<'_>, block: &Block) -> f64 {
-    let Some(left_out) = comparison.left_out else {
-        return 1.0;
-    };
-    let indices = block.indices(comparison.films[0].width());
-    let seen = indices.filter(|&index| !left_out[index]).count();
-    seen as f64 / block.pixels() as f64
 }
 
 /// Upper bound on the variance of a sum over blocks, whose channels each have this standard error:

@@ -53,12 +53,6 @@ impl ValueNumber {
     }
 }
 
-/// True of a number that changes each value by a function of it, which is 0 of black: its derivative is that
-/// of the pixels that are not left out.
-pub(super) fn is_of_seen(name: &str) -> bool {
-    name != "offset" && NUMBERS.iter().any(|number| number.name == name)
-}
-
 /// Sensitivities of the images of a comparison to numbers of their values, in its blocks.
 pub(super) fn value_sensitivities(comparison: &Comparison<'_>) -> Vec<Sensitivity> {
     let columns = comparison.columns();

@@ -9,13 +9,10 @@ use crate::compare::deterministic::in_tolerances;
 use crate::compare::unexplained::{
     MOST_IN_NOISE, SquaredDistance, UNEXPLAINED, UNEXPLAINED_IN_NOISE, makes_what_shows,
 };
-use crate::compare::{
-    Conditions, Deterministic, Gate as _, NumberChange, Picture, Refinement, default_gate, judge,
-    measured,
-};
+use crate::compare::{Conditions, Gate, NumberChange, Picture, default_gate, judge, measured};
 use crate::film::{Film, Quantisation};
 use crate::judging::Judged;
-use crate::judging::measured::{SimpleMap, decoded, simple};
+use crate::judging::measured::{SimpleMap, simple};
 use crate::judging::nothing_drawn::background;
 use crate::math;
 use crate::scene::Scene;
@@ -135,9 +132,9 @@ impl ComparedCase {
                 };
                 (film.clone(), kept)
             }
-            Picture::Codes(codes) => {
+            Picture::Codes(_) => {
                 let ceiling = math::exp2(-case.exposure);
-                (decoded(codes, case.exposure), KeptValues::UpTo(ceiling))
+                (picture.film(case.exposure), KeptValues::UpTo(ceiling))
             }
         };
         if !golden.is_comparable(&test) {
@@ -153,15 +150,15 @@ impl ComparedCase {
             films.map(|film| Coarse::of_pixels(&pixels_of(film, &predictor.scene, lattice)))
         };
         let states_noise = is_sampled && test.noise().is_some();
-        let gate = judged.result.gate.name();
+        let gate = judged.result.gate;
         let mut case = ComparedCase {
             index,
             name: case.name.clone(),
             simple: (picture.radiance()).and_then(|_| simple(case, &golden, &picture)),
-            is_of_opacity: gate == Deterministic.name() && has_right_colours(&golden, &picture),
+            is_of_opacity: gate == Gate::Deterministic && has_right_colours(&golden, &picture),
             spent: judged.evidence.work_of_search,
             is_sampled,
-            has_step: gate == Refinement.name(),
+            has_step: gate == Gate::Refinement,
             in_single_precision: true,
             suspects: suspects(judged),
             few: View::new(few_golden, few_test),
@@ -486,8 +483,13 @@ fn has_right_colours(golden: &Film, picture: &Picture) -> bool {
         && picture
             .radiance()
             .is_some_and(|test| test.noise().is_none())
-        && judge(&Deterministic, &colours, picture, &Conditions::default())
-            .is_ok_and(|judgement| judgement.passed)
+        && judge(
+            Gate::Deterministic,
+            &colours,
+            picture,
+            &Conditions::default(),
+        )
+        .is_ok_and(|judgement| judgement.passed)
 }
 
 /// Names of the parameters that the difference looks like, or, of one that is too large for derivatives,

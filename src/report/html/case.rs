@@ -50,7 +50,7 @@ pub(super) fn view(
         result,
         symbol => words::symbol(result.verdict),
         gate => result.gate.name(),
-        gate_words => result.gate.rule(),
+        gate_words => result.gate.description().rule,
         // Images of other sizes, for one, are not.
         is_compared => result.verdict == Verdict::Pass || !result.metrics.is_empty(),
         known => result.known.as_ref().map(Known::in_words),

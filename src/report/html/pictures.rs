@@ -80,8 +80,8 @@ impl<'a> Views<'a> {
     }
 
     /// The unit in which the gate shows the difference.
-    pub(super) fn difference_scale(&self, gate: &dyn Gate) -> DifferenceScale {
-        let scale = |(golden, test)| gate.difference_scale(golden, test);
+    pub(super) fn difference_scale(&self, gate: Gate) -> DifferenceScale {
+        let scale = |(golden, test)| DifferenceScale::of(gate, golden, test);
         self.films().map_or(DifferenceScale::Radiance, scale)
     }
 

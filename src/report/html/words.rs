@@ -1,7 +1,7 @@
 //! Sentences of a report.
 
 use crate::compare::NON_FINITE;
-use crate::judging::{CaseResult, Summary, Verdict};
+use crate::judging::{CaseResult, Verdict};
 use crate::naming::Likenesses;
 use crate::report::terminal::counts_text;
 
@@ -10,7 +10,7 @@ pub(super) fn headline(results: &[CaseResult], found: &Likenesses) -> String {
     if results.is_empty() {
         return "Nothing was compared.".to_owned();
     }
-    let failed = Summary::of(results).fail;
+    let failed = Verdict::Fail.count(results);
     let guess = match found.likely.first() {
         _ if failed == 0 => String::new(),
         // Nothing was looked for, or not to the end.

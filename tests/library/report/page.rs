@@ -4,7 +4,7 @@ use crate::common::simulated::{Sampling, Shape, sampled, scene};
 use crate::report::asks_for_nothing_outside;
 use crate::report::samples::{self, HOSTILE, Numbers, Sample};
 use volref::compare::flip::SrgbImage;
-use volref::compare::{GATES, Picture, Stochastic};
+use volref::compare::{GATES, Gate, Picture};
 use volref::film::Film;
 use volref::judging::{Evidence, Verdict};
 use volref::report::{Page, results_html};
@@ -72,7 +72,7 @@ fn drawn_noise(edit: fn(f64, f64) -> [f64; 3]) -> [String; 2] {
         noise_by_samples: vec![[64.0, 0.1], [128.0, 0.07], [1024.0, 0.1 / 4.0]],
         ..Evidence::default()
     };
-    sample.judged("fog/noise", &Stochastic, evidence);
+    sample.judged("fog/noise", Gate::Stochastic, evidence);
     let html = results_html(&sample.page());
     let between = |before: &str, after: &str| {
         let (_, rest) = html.split_once(before).expect(before);

@@ -3,7 +3,7 @@
 pub use crate::common::suite::golden_of as golden;
 use std::sync::OnceLock;
 use volref::compare::flip::SrgbImage;
-use volref::compare::{Conditions, Deterministic, ImageGate, Perceptual, Picture, judge};
+use volref::compare::{Conditions, Gate, Picture, judge};
 use volref::film::Film;
 use volref::judging::{CaseResult, Cause, Evidence, Likeness, Verdict};
 use volref::naming::Likenesses;
@@ -39,12 +39,7 @@ impl Sample {
     }
 
     /// Adds a case, judged by `gate`.
-    pub fn judged(
-        &mut self,
-        name: &str,
-        gate: &'static dyn ImageGate,
-        evidence: Evidence,
-    ) -> &mut CaseResult {
+    pub fn judged(&mut self, name: &str, gate: Gate, evidence: Evidence) -> &mut CaseResult {
         let golden = Picture::Radiance(evidence.golden.clone().unwrap());
         let test = evidence.test.as_ref().unwrap();
         let conditions = Conditions {
@@ -70,7 +65,7 @@ pub fn result(name: &str, verdict: Verdict) -> CaseResult {
         name: name.to_owned(),
         family: name.split('/').next().unwrap().to_owned(),
         class: "deterministic".to_owned(),
-        gate: &Deterministic,
+        gate: Gate::Deterministic,
         ..CaseResult::new(verdict, Cause::None, "no reason")
     }
 }
@@ -199,7 +194,7 @@ fn made_suite() -> Sample {
                         SrgbImage::new(f.width(), f.height(), codes).unwrap(),
                     ))
                 });
-                sample.judged(&case.name, &Perceptual, e);
+                sample.judged(&case.name, Gate::Perceptual, e);
             }
             "fog/backward" => {
                 let e = evidence(case, |_| some(rendered_again(&golden("fog/forward"), 1.0)));
@@ -218,7 +213,7 @@ fn made_suite() -> Sample {
                         _ => p,
                     }))
                 });
-                sample.judged(&case.name, &Deterministic, e);
+                sample.judged(&case.name, Gate::Deterministic, e);
             }
             "smoke/cornell" => {
                 let e = Evidence {
