@@ -8,8 +8,8 @@ pub use plot::plot as cost_plot;
 pub(crate) use words::wrapped;
 
 use super::template::{Template, rendered};
-use crate::cost::timing::{Machine, Times};
-use crate::cost::{Cost, Event, MeanWork};
+use crate::cost::timing::Machine;
+use crate::cost::{Cost, Event};
 use minijinja::context;
 use serde_json::{Value, json};
 
@@ -89,92 +89,63 @@ pub fn cost_html(command: &str, costs: &[Cost], machine: Option<&Machine>) -> St
     )
 }
 
-/// The files `sweeps.csv`, a row for each setting, and `effects.csv`: their names and texts. Times come last, so that
+/// Columns of the files in their order, each with the place of its values where that is another. Times come last, so that
 /// two runs can be compared without them.
+const OF_SWEEPS: &str = "scene panel sweep=sweep/name parameter=sweep/parameter setting value {work} l1=error/l1 l2=error/l2 \
+    max=error/max l2_uncertainty=error/uncertainty local_order fitted_order=sweep/order/fitted \
+    expected_order=sweep/order/expected verdict=sweep/order/verdict reference_bound=sweep/reference/bound {times}";
+const OF_EFFECTS: &str = "scene panel effect {work} times_lookups {times}";
+const TIMES: &str = "runs=time/runs median_seconds=time/median min_seconds=time/min max_seconds=time/max \
+    deviation_seconds=time/deviation outliers=time/outliers is_noisy=time/is_noisy";
+
+/// The files `sweeps.csv`, a row for each setting, and `effects.csv`: their names and texts.
 pub fn cost_csv(costs: &[Cost]) -> [(&'static str, String); 2] {
-    let of_scene = |cost: &Cost| [cost.scene.clone(), cost.panel.clone().unwrap_or_default()];
-    let settings = costs.iter().flat_map(|cost| {
-        let sweeps = cost.sweeps.iter();
-        let levels = sweeps.flat_map(|sweep| (0..sweep.levels.len()).map(move |at| (sweep, at)));
-        levels.map(move |(sweep, at)| {
-            let (level, order) = (&sweep.levels[at], &sweep.order);
-            let local = at.checked_sub(1).and_then(|before| order.local[before]);
-            let [parameter, verdict] = [json!(sweep.parameter), json!(order.verdict)];
-            let word = |word: &Value| word.as_str().unwrap_or_default().to_owned();
-            let error = level.error;
-            let mut row = of_scene(cost).to_vec();
-            row.extend([sweep.name.to_owned(), word(&parameter)]);
-            row.extend([level.setting.clone(), digits(level.value)]);
-            row.extend(work(&level.work));
-            row.extend([error.l1, error.l2, error.max, error.uncertainty].map(digits));
-            row.extend([local, order.fitted, order.expected].map(or_nothing));
-            row.extend([word(&verdict), digits(sweep.reference.bound)]);
-            row.extend(times(level.time.as_ref()));
+    let (mut settings, mut effects) = (Vec::new(), Vec::new());
+    for cost in costs {
+        let row = |mut row: Value| {
+            row["scene"] = json!(cost.scene);
+            row["panel"] = json!(cost.panel);
             row
-        })
-    });
-    let effects = costs.iter().flat_map(|cost| {
-        cost.effects.iter().map(|effect| {
-            let mut row = of_scene(cost).to_vec();
-            row.push(effect.effect.clone());
-            row.extend(work(&effect.work));
-            row.push(or_nothing(effect.times_lookups));
-            row.extend(times(effect.time.as_ref()));
-            row
-        })
-    });
-    let work = Event::ALL.map(|event| event.key()).join(",");
-    let times = "runs,median_seconds,min_seconds,max_seconds,deviation_seconds,outliers,is_noisy";
-    let of_sweeps = format!(
-        "scene,panel,sweep,parameter,setting,value,{work},l1,l2,max,l2_uncertainty,local_order,fitted_order,\
-         expected_order,verdict,reference_bound,{times}"
-    );
-    let of_effects = format!("scene,panel,effect,{work},times_lookups,{times}");
+        };
+        for sweep in &cost.sweeps {
+            let before = std::iter::once(&None).chain(&sweep.order.local);
+            for (level, local) in sweep.levels.iter().zip(before) {
+                let mut of_level = row(json!(level));
+                of_level["sweep"] = json!(sweep);
+                of_level["local_order"] = json!(local);
+                settings.push(of_level);
+            }
+        }
+        effects.extend(cost.effects.iter().map(|effect| row(json!(effect))));
+    }
     [
-        ("sweeps.csv", csv(&of_sweeps, settings)),
-        ("effects.csv", csv(&of_effects, effects)),
+        ("sweeps.csv", csv(OF_SWEEPS, &settings)),
+        ("effects.csv", csv(OF_EFFECTS, &effects)),
     ]
 }
 
-fn csv(heads: &str, rows: impl Iterator<Item = Vec<String>>) -> String {
+/// The `rows` under these columns; numbers have the shortest digits that read back as the same number.
+fn csv(columns: &str, rows: &[Value]) -> String {
+    let work = Event::ALL.map(|event| format!("{0}=work/{0}", event.key()));
+    let columns = columns.replace("{work}", &work.join(" "));
+    let columns = columns.replace("{times}", TIMES);
+    let columns = columns.split_whitespace();
+    let columns: Vec<(&str, &str)> = columns
+        .map(|column| column.split_once('=').unwrap_or((column, column)))
+        .collect();
+    let cell = |row: &Value, place: &str| match row.pointer(&format!("/{place}")) {
+        None | Some(Value::Null) => String::new(),
+        Some(Value::String(text)) => text.clone(),
+        Some(number) => number.to_string(),
+    };
     let mut writer = csv::Writer::from_writer(Vec::new());
-    let heads = heads.split(',').map(str::to_owned).collect();
-    for row in std::iter::once(heads).chain(rows) {
-        writer
-            .write_record(&row)
-            .expect("rows have the same columns");
+    let heads = columns.iter().map(|(head, _)| (*head).to_owned()).collect();
+    let cells = |row| columns.iter().map(|(_, place)| cell(row, place)).collect();
+    for line in std::iter::once(heads).chain(rows.iter().map(cells)) {
+        let line: Vec<String> = line;
+        let written = writer.write_record(&line);
+        written.expect("rows have the same columns");
     }
     let bytes = writer.into_inner().expect("a vector takes every byte");
     String::from_utf8(bytes).expect("text was written")
-}
-
-/// The shortest digits that read back as the same number.
-fn digits(number: f64) -> String {
-    format!("{number:?}")
-}
-
-fn or_nothing(number: Option<f64>) -> String {
-    number.map_or(String::new(), digits)
-}
-
-fn work(work: &MeanWork) -> [String; Event::COUNT] {
-    Event::ALL.map(|event| digits(work[event]))
-}
-
-fn times(times: Option<&Times>) -> [String; 7] {
-    let Some(times) = times else {
-        return Default::default();
-    };
-    let [median, min, max, deviation] =
-        [times.median, times.min, times.max, times.deviation].map(digits);
-    let [runs, outliers] = [times.runs, times.outliers].map(|count| count.to_string());
-    [
-        runs,
-        median,
-        min,
-        max,
-        deviation,
-        outliers,
-        times.is_noisy.to_string(),
-    ]
 }
