@@ -71,7 +71,7 @@ pub struct Plan<'s> {
     pub decisions: Vec<Decision>,
     /// Parts of simulated effects that are omitted at the scene's request.
     pub approximations: Vec<Approximation>,
-    /// Keys of the scene file without any effect, and media that take unexpectedly long.
+    /// Keys of the scene file without any effect, and emitters that are inside out.
     pub warnings: Vec<Reason>,
     /// The estimator of a pixel's radiance.
     pub estimator: Estimator,

@@ -194,7 +194,7 @@ mod tests {
     fn axes(steps: [DVec3; 3]) -> Axes {
         Axes {
             sizes: [2, 3, 2],
-            steps: steps,
+            steps,
             first: DVec3::new(10.0, 20.0, 30.0),
             centring: Centring::Nodes,
         }

@@ -64,43 +64,6 @@ fn a_render_of_many_samples() {
     assert!(!folder.path("fog.exr").exists());
 }
 
-/// A walk that would never come to an end is warned of before it is begun.
-#[test]
-fn a_render_without_an_end() {
-    let folder = Folder::new();
-    folder.write("deep.toml", format!("{FOG}sigma_s = 65536\nsigma_a = 0\n"));
-    let note = "note: light deep inside this medium is scattered about 2.1e9 times, as its middle \
-                is 6.554e4 mean free paths deep and little is absorbed; rendering may fail, at a \
-                path of 2^26 scatterings; `max_bounces = 10000` bounds the work, and leaves out \
-                scattering of higher order  (radiative.medium[0].sigma_s, line 11)";
-    let render = ["render", "deep.toml", "-o", "deep.exr", "--spp", "1000000"];
-    said(folder.command(&render), &[note]);
-    let run = folder.volref("plan deep.toml");
-    run.expect(0, "");
-    assert!(
-        run.stdout.contains(note.strip_prefix("note: ").unwrap()),
-        "{}",
-        run.stdout
-    );
-    for short in [
-        "sigma_s = 65536\nsigma_a = 65.5\n",
-        "sigma_s = 100\nsigma_a = 0\n",
-        "sigma_s = 10000\nsigma_a = 0\ng = 0.9999\n",
-    ] {
-        folder.write("short.toml", format!("{FOG}{short}"));
-        let run = folder.volref("plan short.toml");
-        run.expect(0, "");
-        assert!(!run.stdout.contains("warnings"), "{short}: {}", run.stdout);
-    }
-    let bounded = FOG.replace("environment = 1", "environment = 1\nmax_bounces = 10000");
-    folder.write(
-        "bounded.toml",
-        format!("{bounded}sigma_s = 65536\nsigma_a = 0\n"),
-    );
-    let run = folder.volref("plan bounded.toml");
-    assert!(!run.stdout.contains("warnings"), "{}", run.stdout);
-}
-
 /// In a pipe too: which case, and how much is done.
 #[test]
 fn the_suite() {

@@ -2,7 +2,6 @@
 
 mod contents;
 mod findings;
-mod walks;
 mod warnings;
 
 use super::{Decisions, Effect, Estimator, Kernel, Method, Plan, RadiativeFeatures, Reason};
@@ -49,7 +48,7 @@ pub(super) fn plan<'s>(panel: &'s Panel, scene: &'s Radiative, forced: &[Effect]
     Plan {
         panel,
         approximations: vec![],
-        warnings: contents.warnings(panel, &decisions),
+        warnings: contents.warnings(&decisions),
         estimator: Estimator { method, why },
         decisions: decisions.0,
         kernel,

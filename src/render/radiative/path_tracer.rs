@@ -109,15 +109,6 @@ impl<'s> PathTracer<'s> {
         }
     }
 
-    /// Bounces of the path along `ray` with the random numbers of `sampler`.
-    pub fn bounces(&self, ray: Ray, sampler: Sampler, scratch: &mut Scratch) -> u32 {
-        let mut work = Counters::default();
-        let mut path = PathContext::new(ray, self.limit, sampler, scratch, &mut work);
-        let _ = self.traced(&mut path);
-        path.tracker.scratch.take_violations();
-        path.depth
-    }
-
     fn traced(&self, path: &mut PathContext<'_>) -> Result<DVec3, PathFault> {
         let scene = &self.scene;
         let mut radiance = DVec3::ZERO;

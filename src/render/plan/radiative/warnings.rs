@@ -3,23 +3,20 @@
 use super::super::decision::stated;
 use super::super::{Decisions, Effect, Reason, State};
 use super::contents::*;
-use super::walks;
 use crate::geometry::{ClosedMesh, Luminous};
-use crate::math::rng::Stream;
 use crate::optics::{Density, Sides};
-use crate::scene::{Body, Panel, Scattering};
+use crate::scene::{Body, Scattering};
 use glam::DVec3;
 
 /// A key of the scene, and a message.
 type Warning = (String, String);
 
 impl Contents<'_> {
-    /// Keys of the file without any effect, and media and surfaces that take longer than they may seem.
-    pub fn warnings(&self, panel: &Panel, decisions: &Decisions) -> Vec<Reason> {
+    /// Keys of the file without any effect, and emitters that are inside out.
+    pub fn warnings(&self, decisions: &Decisions) -> Vec<Reason> {
         let warnings = [
             self.ineffective_scattering(decisions),
             self.ineffective_media(),
-            self.long_paths(panel),
             self.inverted_emitters(),
             self.ineffective_lights(),
         ];
@@ -70,71 +67,6 @@ impl Contents<'_> {
         let name = key.rsplit('.').next().unwrap_or_default();
         let message = format!("{name} has no effect: {why_not}");
         Some((key, message))
-    }
-
-    /// Surfaces and media between and in which light is scattered without end, or nearly so.
-    fn long_paths(&self, panel: &Panel) -> Vec<Warning> {
-        if !self.has_long_paths() {
-            return vec![];
-        }
-        let many = walks::MANY_SCATTERINGS;
-        let gives_up = match self.scene.scattering {
-            Scattering::Multiple(None) => "; rendering may fail, at a path of 2^26 scatterings",
-            _ => "",
-        };
-        let mut warnings = Vec::new();
-        if walks::are_endless_between_surfaces(panel, self.scene) {
-            let message = format!(
-                "light is reflected between surfaces without end, as they absorb nothing and leave it no way \
-                 out{gives_up}; `max_bounces = {many}` bounds the work, and leaves out scattering of higher order"
-            );
-            warnings.push((SURFACE.to_owned(), message));
-        }
-        for (index, body) in self.scene.media.iter().enumerate() {
-            let order = walks::scatterings_from_the_middle(self.scene, body);
-            if order > many {
-                let key = self.key_of(index, SCATTERS);
-                warnings.push((key, self.long_walk(body, order, gives_up)));
-            }
-        }
-        warnings
-    }
-
-    /// True if paths may scatter more often than anyone waits for.
-    fn has_long_paths(&self) -> bool {
-        let is_unbounded = match self.scene.scattering {
-            Scattering::Multiple(limit) => {
-                limit.is_none_or(|limit| f64::from(limit) > walks::MANY_SCATTERINGS)
-            }
-            _ => false,
-        };
-        is_unbounded && self.is_scattered()
-    }
-
-    /// Message on a medium from whose middle light is scattered `order` times.
-    fn long_walk(&self, body: &Body, order: f64, gives_up: &str) -> String {
-        let depth = walks::depth_of_the_middle(self.scene, body);
-        let far = if depth.is_finite() {
-            format!("its middle is {depth:.3e} mean free paths deep")
-        } else {
-            "it has no end".to_owned()
-        };
-        let often = if order.is_finite() {
-            format!("about {order:.1e} times")
-        } else {
-            "without end".to_owned()
-        };
-        let gives_up = if order > f64::from(Stream::BOUNCES) {
-            gives_up
-        } else {
-            ""
-        };
-        format!(
-            "light deep inside this medium is scattered {often}, as {far} and little is \
-             absorbed{gives_up}; `max_bounces = {}` bounds the work, and leaves out \
-             scattering of higher order",
-            walks::MANY_SCATTERINGS
-        )
     }
 
     fn inverted_emitters(&self) -> Vec<Warning> {
