@@ -42,7 +42,7 @@ mod several;
 
 pub use decision::{Decision, Reason};
 pub use effect::{Effect, State};
-pub use kernel::{FieldKind, Kernel, RadiativeFeatures, RayCasterFeatures};
+pub use kernel::{Kernel, RadiativeFeatures, RayCasterFeatures};
 pub use method::{Estimator, Method};
 
 use crate::scene::{Curve, Mode, Model, Panel, Sampling, Scene};
@@ -124,6 +124,27 @@ impl<'s> Plan<'s> {
         Ok(plan)
     }
 
+    /// The plan of these `decisions`, without warnings.
+    fn of(
+        panel: &'s Panel,
+        decisions: Decisions,
+        kernel: Kernel<'s>,
+        method: Method,
+        why: Reason,
+    ) -> Plan<'s> {
+        let is_composited = !matches!(kernel, Kernel::Background(_) | Kernel::Integral(_));
+        let scene = panel.classified().filter(|_| is_composited);
+        let early = scene.and_then(|scene| classified::early_termination(scene, &panel.key_lines));
+        Plan {
+            panel,
+            decisions: decisions.0,
+            approximations: early.into_iter().collect(),
+            warnings: vec![],
+            estimator: Estimator { method, why },
+            kernel,
+        }
+    }
+
     /// The effects of `panel` that are provably null and can be [forced](Plan::forcing): the others
     /// that are elided are none of its model.
     pub fn null_effects(panel: &Panel) -> Vec<Effect> {
@@ -185,15 +206,6 @@ impl<'s> Plan<'s> {
 fn curve_plan<'s>(panel: &'s Panel, curve: &'s Curve) -> Plan<'s> {
     const NO_LIGHT: &str = "a plot of the transfer function has no light";
     let decisions = Decisions::new(|_| EffectFinding::absent(NO_LIGHT), &[], &panel.key_lines);
-    Plan {
-        panel,
-        decisions: decisions.0,
-        approximations: vec![],
-        warnings: vec![],
-        estimator: Estimator {
-            method: Method::Plot,
-            why: Reason::of("curve", NO_LIGHT, &panel.key_lines),
-        },
-        kernel: Kernel::Curve(curve),
-    }
+    let why = Reason::of("curve", NO_LIGHT, &panel.key_lines);
+    Plan::of(panel, decisions, Kernel::Curve(curve), Method::Plot, why)
 }

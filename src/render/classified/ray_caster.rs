@@ -13,7 +13,7 @@ use crate::math::exp;
 use crate::optics::{Appearance, Layer, Phong, over_length, over_lengths};
 use crate::render::counters::{Counters, Event};
 use crate::render::pixels::{Pixels, rows};
-use crate::render::plan::{FieldKind, RayCasterFeatures};
+use crate::render::plan::RayCasterFeatures;
 use crate::scene::{Classified, Compositing, Shadow};
 use crate::volume::{Cell, Grid, NodeLine, NodePoint, PlacedBox};
 use glam::DVec3;
@@ -110,8 +110,7 @@ impl<'s> RayCaster<'s> {
             scene,
             shading: phong.map(|phong| (phong, scene.gradients())),
             shadow: scene.shadow.filter(|_| features.shadow),
-            constant: (features.field == FieldKind::Constant)
-                .then(|| scene.grid.values()[0].into()),
+            constant: features.constant.then(|| scene.grid.values()[0].into()),
             empty_space: leaps.then(|| EmptySpace::of(&*scene.grid, &scene.transfer_function)),
             extent: scene.extent(),
         }

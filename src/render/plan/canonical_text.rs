@@ -4,6 +4,8 @@
 //! and a feature newer than the first goldens is named only where it is on.
 
 use super::{Kernel, Plan, RadiativeFeatures, RayCasterFeatures};
+use crate::scene::Classified;
+use crate::volume::Interpolation;
 
 impl Plan<'_> {
     /// The plan as text that changes with anything it covers: the kernel and the state of every
@@ -22,9 +24,9 @@ fn of_kernel(kernel: &Kernel<'_>) -> String {
     match kernel {
         Kernel::Curve(_) => "Curve".to_owned(),
         Kernel::Background(_) => "Background".to_owned(),
-        Kernel::RayCaster { features, .. } => of_ray_caster(*features, ""),
+        Kernel::RayCaster { scene, features } => of_ray_caster(scene, *features, ""),
         Kernel::Conventional(scene) => {
-            of_ray_caster(RayCasterFeatures::asked_for(scene), ", plain: true")
+            of_ray_caster(scene, RayCasterFeatures::asked_for(scene), ", plain: true")
         }
         Kernel::Several(scene) => {
             format!("Several {{ {} }}", scene.counted_objects())
@@ -53,18 +55,22 @@ fn of_kernel(kernel: &Kernel<'_>) -> String {
     }
 }
 
-fn of_ray_caster(features: RayCasterFeatures, newer: &str) -> String {
+fn of_ray_caster(scene: &Classified, features: RayCasterFeatures, newer: &str) -> String {
     let RayCasterFeatures {
-        field,
-        compositing,
+        constant,
         shading,
         shadow,
         skip_empty,
-        placed,
     } = features;
-    let placed = if placed { ", placed: true" } else { "" };
+    let field = match scene.interpolation {
+        _ if constant => "Constant",
+        Interpolation::Nearest => "Nearest",
+        Interpolation::Trilinear => "Trilinear",
+    };
+    let compositing = scene.compositing;
+    let placed = ["", ", placed: true"][usize::from(scene.to_world.is_some())];
     format!(
-        "RayCaster {{ field: {field:?}, compositing: {compositing:?}, shading: {shading}, \
+        "RayCaster {{ field: {field}, compositing: {compositing:?}, shading: {shading}, \
          shadow: {shadow}, skip_empty: {skip_empty}{placed}{newer} }}"
     )
 }
@@ -79,11 +85,7 @@ fn of_radiative(features: &RadiativeFeatures) -> String {
         anisotropic,
         heterogeneous,
     } = features;
-    let heterogeneous = if *heterogeneous {
-        ", heterogeneous: true"
-    } else {
-        ""
-    };
+    let heterogeneous = ["", ", heterogeneous: true"][usize::from(*heterogeneous)];
     format!(
         "Parts {{ media: {media}, null_media: {vacuum_media}, surfaces: {surfaces}, \
          emission: {emission}, chromatic: {chromatic}, anisotropic: {anisotropic}{heterogeneous} }}"

@@ -2,12 +2,11 @@
 
 use super::decision::{findings, stated};
 use super::{
-    Approximation, Decision, Decisions, Effect, EffectFinding, Estimator, FieldKind, Kernel,
-    Method, Plan, RayCasterFeatures, Reason, State,
+    Approximation, Decision, Decisions, Effect, EffectFinding, Kernel, Method, Plan,
+    RayCasterFeatures, Reason, State,
 };
 use crate::optics::{Appearance, Phong};
 use crate::scene::{Classified, Compositing, Conventions, KeyLines, Panel};
-use crate::volume::Interpolation;
 
 pub(super) const NO_SCATTERING: &str =
     "the classified model has no scattering; shading replaces it";
@@ -29,17 +28,8 @@ pub(super) fn plan<'s>(panel: &'s Panel, scene: &'s Classified, forced: &[Effect
     let decisions = Decisions::new(|effect| contents.finding(effect), forced, key_lines);
     let (kernel, method, why) = contents.kernel(&decisions, key_lines);
     Plan {
-        panel,
-        approximations: match kernel {
-            Kernel::RayCaster { .. } | Kernel::Conventional(_) => {
-                early_termination(scene, key_lines).into_iter().collect()
-            }
-            _ => vec![],
-        },
         warnings: warnings(scene, &decisions, key_lines),
-        estimator: Estimator { method, why },
-        decisions: decisions.0,
-        kernel,
+        ..Plan::of(panel, decisions, kernel, method, why)
     }
 }
 
@@ -166,12 +156,7 @@ impl<'s> Contents<'s> {
         let on = |effect| decisions.is_on(effect);
         let transfer_function = &self.scene.transfer_function;
         RayCasterFeatures {
-            field: match self.scene.interpolation {
-                _ if self.is_constant && !on(Effect::Heterogeneity) => FieldKind::Constant,
-                Interpolation::Nearest => FieldKind::Nearest,
-                Interpolation::Trilinear => FieldKind::Trilinear,
-            },
-            compositing: self.scene.compositing,
+            constant: self.is_constant && !on(Effect::Heterogeneity),
             shading: on(Effect::GradientShading),
             shadow: on(Effect::MediumShadow),
             // Where the volume is transparent everywhere, an effect was forced: its work is
@@ -179,7 +164,6 @@ impl<'s> Contents<'s> {
             skip_empty: !self.is_transparent
                 && !self.is_constant
                 && transfer_function.may_be_transparent_between(least, most),
-            placed: self.scene.to_world.is_some(),
         }
     }
 }

@@ -49,34 +49,44 @@ pub enum Kernel<'s> {
 /// Features that the ray caster meets.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RayCasterFeatures {
-    /// Reconstruction of the density.
-    pub field: FieldKind,
-    /// Order of compositing.
-    pub compositing: Compositing,
+    /// One density in the whole grid, which is not looked up.
+    pub constant: bool,
     /// Phong shading.
     pub shading: bool,
     /// Volume shadow.
     pub shadow: bool,
     /// Empty-space skipping: samples in transparent blocks are not taken.
     pub skip_empty: bool,
-    /// A map that places the volume in the world: of the plan alone, for kernels ask for it once a ray.
-    pub placed: bool,
 }
 
 impl RayCasterFeatures {
     /// The features that `scene` asks for, none left out.
-    pub(in crate::render) fn asked_for(scene: &Classified) -> RayCasterFeatures {
+    pub fn asked_for(scene: &Classified) -> RayCasterFeatures {
         RayCasterFeatures {
-            field: match scene.interpolation {
-                Interpolation::Nearest => FieldKind::Nearest,
-                Interpolation::Trilinear => FieldKind::Trilinear,
-            },
-            compositing: scene.compositing,
+            constant: false,
             shading: scene.phong.is_some(),
             shadow: scene.shadow.is_some(),
             skip_empty: false,
-            placed: scene.to_world.is_some(),
         }
+    }
+
+    /// The ray caster of `scene` in words.
+    fn in_words(self, scene: &Classified) -> String {
+        let field = match scene.interpolation {
+            _ if self.constant => "constant density",
+            Interpolation::Nearest => "nearest",
+            Interpolation::Trilinear => "trilinear",
+        };
+        let order = match scene.compositing {
+            Compositing::FrontToBack => "front to back".to_owned(),
+            Compositing::EarlyTermination(below) => format!("front to back down to {below}"),
+            Compositing::BackToFront => "back to front".to_owned(),
+        };
+        let shading = ["unshaded", "Phong"][usize::from(self.shading)];
+        let shadow = ["no shadow", "volume shadow"][usize::from(self.shadow)];
+        let samples = ["every sample", "empty-space skipping"][usize::from(self.skip_empty)];
+        let placed = ["", ", placed by a map"][usize::from(scene.to_world.is_some())];
+        format!("ray caster: {field}, {order}, {shading}, {shadow}, {samples}{placed}")
     }
 }
 
@@ -132,26 +142,15 @@ impl fmt::Display for RadiativeFeatures {
     }
 }
 
-/// Reconstruction of densities.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum FieldKind {
-    /// Value of the nearest node.
-    Nearest,
-    /// Trilinear interpolation.
-    Trilinear,
-    /// The one density of the whole grid.
-    Constant,
-}
-
 impl fmt::Display for Kernel<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Kernel::Curve(_) => f.write_str("plot of the transfer function"),
             Kernel::Background(_) => f.write_str("background only"),
-            Kernel::RayCaster { features, .. } => write!(f, "ray caster: {features}"),
+            Kernel::RayCaster { scene, features } => f.write_str(&features.in_words(scene)),
             Kernel::Conventional(scene) => {
-                let features = RayCasterFeatures::asked_for(scene);
-                write!(f, "ray caster: {features}, other conventions")
+                let words = RayCasterFeatures::asked_for(scene).in_words(scene);
+                write!(f, "{words}, other conventions")
             }
             Kernel::Several(scene) => {
                 write!(f, "ray caster: {} merged", scene.counted_objects())
@@ -159,21 +158,13 @@ impl fmt::Display for Kernel<'_> {
             Kernel::Integral(_) => f.write_str("integral along each ray, piece by piece"),
             Kernel::Field(scene) => {
                 let mode = scene.mode.name().unwrap_or_default();
-                let how = if scene.is_exact() {
-                    "exact, cell by cell"
-                } else {
-                    "sampled"
-                };
+                let how = ["sampled", "exact, cell by cell"][usize::from(scene.is_exact())];
                 write!(f, "{mode} along each ray, {how}")
             }
             Kernel::LineOfSight {
                 features, scatters, ..
             } => {
-                let scattering = if *scatters {
-                    "single scattering"
-                } else {
-                    "no scattering"
-                };
+                let scattering = ["no scattering", "single scattering"][usize::from(*scatters)];
                 write!(f, "line of sight: {features}, {scattering}")
             }
             Kernel::PathTracer {
@@ -190,35 +181,5 @@ impl fmt::Display for Kernel<'_> {
                 }
             }
         }
-    }
-}
-
-impl fmt::Display for RayCasterFeatures {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self.field {
-            FieldKind::Nearest => "nearest",
-            FieldKind::Trilinear => "trilinear",
-            FieldKind::Constant => "constant density",
-        })?;
-        match self.compositing {
-            Compositing::FrontToBack => f.write_str(", front to back")?,
-            Compositing::EarlyTermination(below) => write!(f, ", front to back down to {below}")?,
-            Compositing::BackToFront => f.write_str(", back to front")?,
-        }
-        let words = [
-            if self.shading { "Phong" } else { "unshaded" },
-            if self.shadow {
-                "volume shadow"
-            } else {
-                "no shadow"
-            },
-            if self.skip_empty {
-                "empty-space skipping"
-            } else {
-                "every sample"
-            },
-        ];
-        write!(f, ", {}", words.join(", "))?;
-        f.write_str(if self.placed { ", placed by a map" } else { "" })
     }
 }

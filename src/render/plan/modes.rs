@@ -3,7 +3,7 @@
 use super::classified::*;
 use super::decision::{findings, stated};
 use super::several::idle_clips;
-use super::{Decisions, Effect, EffectFinding, Estimator, Kernel, Method, Plan, Reason};
+use super::{Decisions, Effect, EffectFinding, Kernel, Method, Plan, Reason};
 use crate::scene::{
     Classified, Isosurface, Isosurfaces, KeyLines, Mode, Panel, Projected, Projection, Window,
 };
@@ -25,42 +25,24 @@ pub(super) fn plan<'s>(panel: &'s Panel, scene: &'s Classified, forced: &[Effect
         1 => ", within what 1 clip keeps".to_owned(),
         count => format!(", within what {count} clips keep"),
     };
-    let (kernel, method, key, reason) = match () {
-        _ if !is_seen => {
-            let kernel = Kernel::Background(scene);
-            (kernel, Method::Background, SURFACES, unseen(scene))
-        }
-        _ if scene.is_exact() => {
-            let reason = format!("exact values are asked for, without samples{clipped}");
-            (
-                Kernel::Field(scene),
-                Method::ClosedForm,
-                COMPOSITING,
-                reason,
-            )
-        }
-        _ => {
-            let reason = format!("the field is sampled one step apart{clipped}");
-            (
-                Kernel::Field(scene),
-                Method::RayCasting,
-                "classified.step",
-                reason,
-            )
-        }
+    let (kernel, method, key, reason) = if !is_seen {
+        let kernel = Kernel::Background(scene);
+        (kernel, Method::Background, SURFACES, unseen(scene))
+    } else if scene.is_exact() {
+        let reason = format!("exact values are asked for, without samples{clipped}");
+        let kernel = Kernel::Field(scene);
+        (kernel, Method::ClosedForm, COMPOSITING, reason)
+    } else {
+        let reason = format!("the field is sampled one step apart{clipped}");
+        let kernel = Kernel::Field(scene);
+        (kernel, Method::RayCasting, "classified.step", reason)
     };
+    let why = Reason::of(key, reason, key_lines);
     Plan {
-        panel,
-        approximations: early_termination(scene, key_lines).into_iter().collect(),
         warnings: (warnings(scene, &decisions, key_lines).into_iter())
             .chain(idle_clips(scene, key_lines))
             .collect(),
-        estimator: Estimator {
-            method,
-            why: Reason::of(key, reason, key_lines),
-        },
-        decisions: decisions.0,
-        kernel,
+        ..Plan::of(panel, decisions, kernel, method, why)
     }
 }
 

@@ -4,7 +4,7 @@ mod contents;
 mod findings;
 mod warnings;
 
-use super::{Decisions, Effect, Estimator, Kernel, Method, Plan, RadiativeFeatures, Reason};
+use super::{Decisions, Effect, Kernel, Method, Plan, RadiativeFeatures, Reason};
 use crate::scene::{Panel, Radiative, Scattering};
 use contents::{Contents, DENSITY, SCATTERING};
 
@@ -46,12 +46,8 @@ pub(super) fn plan<'s>(panel: &'s Panel, scene: &'s Radiative, forced: &[Effect]
         why.reason = format!("forced, although {}", why.reason);
     }
     Plan {
-        panel,
-        approximations: vec![],
         warnings: contents.warnings(&decisions),
-        estimator: Estimator { method, why },
-        decisions: decisions.0,
-        kernel,
+        ..Plan::of(panel, decisions, kernel, method, why)
     }
 }
 

@@ -4,10 +4,10 @@
 //! for is left out.
 
 use super::classified::{
-    NO_PHASE, NO_SCATTERING, ONE_OPACITY, PHONG, SHADOW, VOLUME, early_termination, without_effect,
+    NO_PHASE, NO_SCATTERING, ONE_OPACITY, PHONG, SHADOW, VOLUME, without_effect,
 };
 use super::decision::findings;
-use super::{Decisions, Effect, EffectFinding, Estimator, Kernel, Method, Plan, Reason};
+use super::{Decisions, Effect, EffectFinding, Kernel, Method, Plan, Reason};
 use crate::scene::{Classified, KeyLines, Panel};
 
 const SURFACE: &str = "classified.surface";
@@ -30,24 +30,20 @@ pub(super) fn plan<'s>(panel: &'s Panel, scene: &'s Classified, forced: &[Effect
         }
         _ => "are composited along each ray by other conventions".to_owned(),
     };
-    let (kernel, method) = match () {
-        _ if scene.is_continuous() => (Kernel::Integral(scene), Method::Quadrature),
-        _ if scene.is_merged() => (Kernel::Several(scene), Method::RayCasting),
-        _ => (Kernel::Conventional(scene), Method::RayCasting),
+    let (kernel, method) = if scene.is_continuous() {
+        (Kernel::Integral(scene), Method::Quadrature)
+    } else if scene.is_merged() {
+        (Kernel::Several(scene), Method::RayCasting)
+    } else {
+        (Kernel::Conventional(scene), Method::RayCasting)
     };
+    let why = Reason::of(VOLUME, format!("{objects} {reason}"), key_lines);
     Plan {
-        panel,
-        decisions: decisions.0,
-        approximations: early_termination(scene, key_lines).into_iter().collect(),
         warnings: without_effect(scene, key_lines)
             .into_iter()
             .chain(idle_clips(scene, key_lines))
             .collect(),
-        estimator: Estimator {
-            method,
-            why: Reason::of(VOLUME, format!("{objects} {reason}"), key_lines),
-        },
-        kernel,
+        ..Plan::of(panel, decisions, kernel, method, why)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 use volref::film::Film;
-use volref::render::plan::{FieldKind, Kernel};
+use volref::render::plan::Kernel;
 use volref::render::{Counters, Event, Plan, Sampling, render};
 use volref::scene::Scene;
 
@@ -59,9 +59,7 @@ fn may_do(plan: &Plan<'_>, event: Event) -> bool {
         // Where nothing scatters light, and multiple scattering was forced.
         (Event::FirstScattering, Kernel::LineOfSight { scatters, .. }) => scatters,
         // Where the volume is transparent, and an effect was forced.
-        (Event::DensityLookup, Kernel::RayCaster { features, .. }) => {
-            features.field != FieldKind::Constant
-        }
+        (Event::DensityLookup, Kernel::RayCaster { features, .. }) => !features.constant,
         (Event::Attenuation | Event::EmissionTerm, Kernel::RayCaster { .. }) => true,
         (Event::DensityLookup | Event::CellWalked, Kernel::Integral(scene)) => {
             (0..=scene.objects.volumes.len()).any(|index| {

@@ -4,7 +4,7 @@
 use crate::effects::scenes::{Classified, Radiative, Shading, off_is_off, parsed, plan, rendered};
 use std::collections::BTreeSet;
 use volref::film::Film;
-use volref::render::plan::{FieldKind, Kernel, RadiativeFeatures, RayCasterFeatures};
+use volref::render::plan::{Kernel, RadiativeFeatures, RayCasterFeatures};
 use volref::render::{Counters, Plan};
 
 /// Everything on.
@@ -87,19 +87,14 @@ fn classified_volumes() {
         let scene = parsed(&made_of.text());
         let plan = plan(&scene);
         let what = format!("{made_of:?}");
-        let Kernel::RayCaster { scene, features } = plan.kernel else {
+        let Kernel::RayCaster { scene, .. } = plan.kernel else {
             panic!("{what}: {}", plan.kernel);
         };
         let features = RayCasterFeatures {
-            field: if made_of.nearest {
-                FieldKind::Nearest
-            } else {
-                FieldKind::Trilinear
-            },
+            constant: false,
             shading: made_of.shading != Shading::None,
             shadow: made_of.shadow,
             skip_empty: false,
-            ..features
         };
         let most = Plan {
             kernel: Kernel::RayCaster { scene, features },
