@@ -12,7 +12,7 @@ use crate::judging::{CaseResult, Cause, Evidence, Verdict};
 use crate::naming::Likenesses;
 use crate::report::Page;
 use crate::runs;
-use crate::runs::{AcceptError, AcceptRequest, Change};
+use crate::runs::{AcceptError, AcceptRequest, Accepted};
 use crate::suite::{Case, CasesOfScene, Draft, Golden, Store, StoreError, Suite};
 use serde_json::json;
 use std::path::Path;
@@ -51,7 +51,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         in_ci: super::is_in_ci(),
     };
     let suite = arguments.selection.open_to_change()?;
-    arguments.page.check(Some(&suite))?;
+    arguments.page.check()?;
     let page = arguments.page.file();
     output::check(&[arguments.json.file(), page.as_deref()], &[])?;
     let (filters, drafts) = with_drafts(&suite, &arguments.cases)?;
@@ -75,32 +75,23 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         true => cases.iter().map(|case| image(&store, case)).collect(),
         false => Vec::new(),
     };
-    let accepted = runs::accept(&cases, &store, request, &bar);
+    let accepted = runs::accept(&cases, &store, request, &bar, &|step| bar.show(step));
     bar.finish_and_clear();
     let accepted = accepted.map_err(failure)?;
 
     let mut text = String::new();
     let mut entries = Vec::new();
-    let mut said = Vec::new();
-    for entry in &accepted {
-        let (word, detail) = match &entry.change {
-            Change::New { damaged: false } => ("new", "its first golden".to_owned()),
-            Change::New { damaged: true } => ("new", "the old golden was damaged".to_owned()),
-            Change::Unchanged => ("unchanged", "kept, with its old reason".to_owned()),
-            Change::SamePicture => (
-                "recorded",
-                "same image; its record (scene, plan, truth, how it is judged, quick rendering or sensitivities) changed".to_owned(),
-            ),
-            Change::Replaced(difference) => ("replaced", difference.clone()),
-        };
-        text.push_str(&format!("{word:<9}  {}: {detail}\n", entry.case));
-        entries.push(json!({ "name": entry.case, "change": word, "reason": detail }));
-        said.push((word, detail));
-    }
-    if accepted
-        .iter()
-        .any(|entry| matches!(entry.change, Change::New { .. } | Change::Replaced(_)))
+    for Accepted {
+        case,
+        change,
+        detail,
+    } in &accepted
     {
+        text.push_str(&format!("{change:<9}  {case}: {detail}\n"));
+        entries.push(json!({ "name": case, "change": change, "reason": detail }));
+    }
+    let is_image = |it: &Accepted| ["new", "replaced"].contains(&it.change);
+    if accepted.iter().any(is_image) {
         let folder = suite.golden_folder();
         text.push_str(&format!(
             "\nNow look at the images in {}.\n",
@@ -108,13 +99,13 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         ));
     }
     if arguments.page.is_asked() {
-        let shown = cases.iter().zip(old).zip(&said);
+        let shown = cases.iter().zip(old).zip(&accepted);
         let (results, evidence): (Vec<_>, Vec<_>) = shown
             .map(|((case, old), said)| arguments.shown(case, old, image(&store, case), said))
             .unzip();
         let found = Likenesses::default();
         let page = Page {
-            headline: &headline(&said),
+            headline: &headline(&accepted),
             ..Page::of("accept", &results, &evidence, &found)
         };
         arguments.page.write(page, &mut text)?;
@@ -165,9 +156,9 @@ fn image(store: &Store, case: &Case) -> Option<Film> {
 }
 
 /// The goldens of a run, counted by what became of them.
-fn headline(said: &[(&str, String)]) -> String {
+fn headline(accepted: &[Accepted]) -> String {
     let words = ["new", "replaced", "recorded", "unchanged"];
-    let counts = words.map(|word| (said.iter().filter(|(it, _)| *it == word).count(), word));
+    let counts = words.map(|word| (accepted.iter().filter(|it| it.change == word).count(), word));
     let counts = counts.iter().filter(|(count, _)| *count > 0);
     let counts: Vec<String> = counts
         .map(|(count, word)| format!("{count} {word}"))
@@ -182,9 +173,9 @@ impl Arguments {
         case: &Case,
         old: Option<Film>,
         new: Option<Film>,
-        (word, detail): &(&str, String),
+        Accepted { change, detail, .. }: &Accepted,
     ) -> (CaseResult, Evidence) {
-        let reason = format!("{word}: {detail}");
+        let reason = format!("{change}: {detail}");
         let finding = CaseResult::new(Verdict::Pass, Cause::None, reason);
         let mut result = finding.of_case(&case.name, case.class(), Gate::Exact);
         let note = "the golden shown is the one before this accept; the test image is the one accepted now";

@@ -3,7 +3,6 @@
 use super::Outcome;
 use super::failure::{EXIT_CODES, Exit, Failure, bad_input, exit};
 use super::kept::NAME;
-use super::output::check_not_golden;
 use super::results::{Findings, ResultFiles};
 use super::selftest::{self, SELF_TEST};
 use super::suite::{KEPT, Selection};
@@ -53,10 +52,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let folders: Vec<ResultFolder> = roots.iter().map(ResultFolder::open).collect();
     let runs = runs_of(&arguments, &folders)?;
     let suite = arguments.selection.open()?;
-    arguments.files.check(&suite)?;
-    for root in &roots {
-        check_not_golden(root, &suite)?;
-    }
+    arguments.files.check()?;
     match &runs[..] {
         [of] if of.run.command == SELF_TEST => joined_self_test(&arguments, &suite, of),
         _ => joined_results(&arguments, &suite, &runs),
@@ -98,28 +94,20 @@ impl<'f> Parts<'f> {
     }
 }
 
-/// The folder of results: `folder` itself or one in it.
+/// The folder of results: `folder` itself, one in it, or the one that it is part of.
 fn root_of(folder: &Path) -> Result<PathBuf, Failure> {
-    let is_root = |root: &Path| ResultFolder::open(root).path().is_dir();
-    if is_root(folder) {
-        return Ok(folder.to_owned());
-    }
-    let within = folder.join(KEPT);
-    if is_root(&within) {
-        return Ok(within);
-    }
-    // The folder of a run, which a part names at its end, or that of all results.
-    let mut above = folder.ancestors().take(2);
-    let results = above.find(|above| above.file_name().is_some_and(|name| name == RESULTS));
-    if let Some(root) = results.and_then(Path::parent)
-        && folder.is_dir()
-    {
-        return Ok(root.to_owned());
-    }
     if !folder.is_dir() {
         return Err(bad_input(format!("{} is not a folder", folder.display())));
     }
-    Err(no_results(&format!("{} has no results", folder.display())))
+    let within = folder.join(KEPT);
+    // The folder of a run, which a part names at its end, or that of all results.
+    let mut above = folder.ancestors().take(2);
+    let results = above.find(|above| above.ends_with(RESULTS));
+    let places = [Some(folder), Some(&within), results.and_then(Path::parent)];
+    let is_root = |root: &&Path| ResultFolder::open(*root).path().is_dir();
+    let root = places.into_iter().flatten().find(is_root);
+    let none = || no_results(&format!("{} has no results", folder.display()));
+    root.map(Path::to_owned).ok_or_else(none)
 }
 
 fn no_results(message: &str) -> Failure {
@@ -190,7 +178,7 @@ fn joined_results(
         let (mut results, mut skipped) = (Vec::new(), Vec::new());
         for (name, _) in &of.run.cases {
             match of_cases.remove(name.as_str()) {
-                Some(Some((_, kept, folder))) => {
+                Some(Some((kept, folder))) => {
                     let judged = if arguments.files.wants_evidence() {
                         with_images(kept, folder, &of.id, suite)
                     } else {
@@ -297,12 +285,10 @@ fn in_order(mut found: Vec<(&str, Judged)>, suite: &Suite) -> Vec<Judged> {
     named.collect()
 }
 
-/// The result of a case, with its text by which one of several is chosen, and its folder; `None` of one that was passed
-/// over.
-type OfCase<'p> = Option<(String, &'p KeptResult, &'p ResultFolder)>;
+/// The result of a case and its folder; `None` of one that was passed over.
+type OfCase<'p> = Option<(&'p KeptResult, &'p ResultFolder)>;
 
-/// The result of each case that a part judged or passed over; where several agree, always the same one, whatever the order
-/// of the folders.
+/// The result of each case that a part judged or passed over, the first of several.
 ///
 /// # Errors
 ///
@@ -313,16 +299,16 @@ fn by_case<'p>(of: &'p Parts<'_>) -> Result<BTreeMap<&'p str, OfCase<'p>>, Failu
         for name in &part.cases {
             of_cases.entry(name).or_default();
         }
-        for result in &part.results {
-            let text = result.without_time();
-            let best = of_cases.entry(&*result.result.name).or_default();
-            if let Some((_, one, here)) = best
-                && one.result.verdict != result.result.verdict
-            {
-                return Err(contradiction([(one, here), (result, folder)]));
-            }
-            if best.as_ref().is_none_or(|(least, ..)| text < *least) {
-                *best = Some((text, result, folder));
+        for kept in &part.results {
+            let name = &kept.result.name;
+            let found = of_cases.entry(name).or_default();
+            let (one, here) = *found.get_or_insert((kept, folder));
+            if one.result.verdict != kept.result.verdict {
+                let said = [(one, here), (kept, *folder)].map(|(it, folder)| {
+                    let verdict = it.result.verdict.name();
+                    format!("{verdict} in {}", folder.path().display())
+                });
+                return Err(contradiction(&format!("results of {name}"), &said));
             }
         }
     }
@@ -369,7 +355,9 @@ fn joined_self_test(
                 None => (trials, *folder),
                 Some((one, here)) => {
                     let both = one.with(trials);
-                    let both = both.ok_or_else(|| contradicting_self_tests(name, [here, folder]));
+                    let said = || [here, folder].map(|it| it.path().display().to_string());
+                    let both = both
+                        .ok_or_else(|| contradiction(&format!("self-tests of {name}"), &said()));
                     (both?, here)
                 }
             };
@@ -402,26 +390,9 @@ fn joined_self_test(
     })
 }
 
-fn contradicting_self_tests(name: &str, folders: [&ResultFolder; 2]) -> Failure {
-    let [one, other] = folders.map(|folder| folder.path().display().to_string());
-    let message =
-        format!("two self-tests of {name} contradict each other: those in {one} and {other}");
-    let help = "one machine computes other images: find out which, and leave its folder out";
-    Failure::new(Exit::BadInput, message, Some(help))
-}
-
-fn contradiction(found: [(&KeptResult, &ResultFolder); 2]) -> Failure {
-    let name = &found[0].0.result.name;
-    let words = found.map(|(result, folder)| {
-        let verdict = result.result.verdict.name();
-        format!("{verdict} in {}", folder.path().display())
-    });
-    let message = format!(
-        "two results of {name} contradict each other: {}",
-        words.join(", ")
-    );
-    let help =
-        "the renderer, or the images, were not the same: leave out, or remove, the older results";
+fn contradiction(two: &str, said: &[String; 2]) -> Failure {
+    let message = format!("two {two} contradict each other: {}", said.join(", "));
+    let help = "the renderer, the images or the machine were not the same: leave out, or remove, the older results";
     Failure::new(Exit::BadInput, message, Some(help))
 }
 

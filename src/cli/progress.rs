@@ -3,10 +3,10 @@
 
 use super::output::{number_of, printable};
 use crate::files::visible::visible;
+use crate::judging::Step;
 use crate::naming::SearchStep;
 use crate::render::Watch;
 use crate::render::plan::Reason;
-use crate::runs::AcceptWatch;
 use indicatif::{HumanDuration, ProgressBar, ProgressStyle};
 use std::io::{IsTerminal, Write};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -126,6 +126,14 @@ impl Bar {
         self.bar.set_message(visible(&message.into()));
     }
 
+    /// Shows a step of work with parts.
+    pub fn show(&self, step: Step<'_>) {
+        match step {
+            Step::Begins(what) => self.set_message(what),
+            Step::Done => self.end_part(),
+        }
+    }
+
     /// Ends a part.
     pub fn end_part(&self) {
         match self.steps.swap(0, Ordering::Relaxed) {
@@ -169,16 +177,6 @@ impl Watch for Bar {
         // All steps together stay within the part.
         let steps = self.steps.load(Ordering::Relaxed).max(1);
         self.bar.inc((PART - 1) / steps);
-    }
-}
-
-impl AcceptWatch for Bar {
-    fn begin_case(&self, case: &str) {
-        self.set_message(case);
-    }
-
-    fn end_case(&self) {
-        self.end_part();
     }
 }
 

@@ -6,7 +6,7 @@ use super::output::{self, Json};
 use super::partition::PartitionArgument;
 use super::suite::Selection;
 use super::{Outcome, progress};
-use crate::judging::{SelfTest, SelfTestCases, SelfTestExtent, Step, case_trials, self_test_steps};
+use crate::judging::{SelfTest, SelfTestCases, SelfTestExtent, case_trials, self_test_steps};
 use crate::report;
 
 /// The name of the command.
@@ -55,10 +55,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         (true, true) => SelfTestCases::Whole,
         (true, false) => SelfTestCases::Selected,
     };
-    let found = case_trials(&cases, &store, extent, &|step| match step {
-        Step::Begins(what) => bar.set_message(what),
-        Step::Done => bar.end_part(),
-    });
+    let found = case_trials(&cases, &store, extent, &|step| bar.show(step));
     bar.finish_and_clear();
     if let Some(folder) = folder {
         let (all, filters) = (all.into_iter(), &arguments.filters);

@@ -5,11 +5,12 @@ mod tests;
 
 use crate::compare::{Conditions, Gate, Picture, judge, stochastic};
 use crate::film::Film;
+use crate::judging::Step;
 use crate::judging::finding::MARGIN;
 use crate::judging::truth::judge_by_truth;
 use crate::judging::verify::judge_quick;
 use crate::known_answers::Formula;
-use crate::render::{self, Detail, plans};
+use crate::render::{Detail, Watch, plans};
 use crate::scene::Scene;
 use crate::suite::golden::{
     Golden, GoldenImage, Reasons, input_hashes, plan_hash, scene_hash, sensitivities_file,
@@ -19,72 +20,31 @@ use crate::suite::rendering::{
 };
 use crate::suite::{Case, ConvergedSampling, GoldenError, Quick, Store, StoreError, sensitivities};
 use miette::Diagnostic;
+use std::fmt::Display;
 use thiserror::Error;
 
-/// The outcome for the golden of one case.
+/// What became of the golden of one case.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Accepted {
     /// `family/name`.
     pub case: String,
-    /// Change of the golden.
-    pub change: Change,
-}
-
-/// Change of a golden.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Change {
-    /// There was no golden, or no trustworthy one.
-    New {
-        /// True if some files of a golden existed.
-        damaged: bool,
-    },
-    /// Same image, scene and plan: unchanged, with its old reason.
-    Unchanged,
-    /// Same image, but of a changed scene or plan.
-    SamePicture,
-    /// Another image, with its difference from the old one.
-    Replaced(String),
+    /// `new`; `unchanged`; `recorded`, for the same image of a changed scene, plan or manifest; or `replaced`.
+    pub change: &'static str,
+    /// Why, or the difference from the old image.
+    pub detail: String,
 }
 
 /// Reason why nothing was accepted. All goldens are unchanged.
 #[derive(Debug, Diagnostic, Error)]
 pub enum AcceptError {
-    /// Nobody looks at images in CI.
-    #[error("goldens are not accepted where CI is set: nobody looks at the images there")]
-    #[diagnostic(help("accept on your own machine, look at the images, commit them"))]
-    Ci,
-    /// An empty reason.
-    #[error("a golden changes only with a reason, and none was given")]
-    #[diagnostic(help(
-        "state what was wrong before, or what a first golden is for: --reason \"…\""
-    ))]
-    NoReason,
-    /// An image that cannot be a golden, or none.
-    #[error("{case}: {reason}")]
+    /// An image that cannot be a golden, or no images at all.
+    #[error("{reason}")]
     #[diagnostic(help("{help}"))]
     Refused {
-        /// `family/name`.
-        case: String,
         /// Reason.
         reason: String,
         /// Remedy.
-        help: &'static str,
-    },
-    /// A converged image with too much noise.
-    #[error(
-        "{case}: the golden would be too noisy: the standard error of a block is {error:.2e} of \
-         its mean, and a resolution of {resolution} needs a quarter of the resolution or less"
-    )]
-    #[diagnostic(help("in the manifest: converged_samples = {enough}; nothing was accepted"))]
-    TooNoisy {
-        /// `family/name`.
-        case: String,
-        /// Relative standard error of a block that nine tenths do not exceed.
-        error: f64,
-        /// The bias that the case must detect.
-        resolution: f64,
-        /// Samples that would suffice.
-        enough: u64,
+        help: String,
     },
     /// The files could not be written.
     #[error(transparent)]
@@ -106,23 +66,22 @@ pub struct Request<'r> {
 impl Request<'_> {
     /// Fails where no golden may change.
     pub(crate) fn check(&self) -> Result<(), AcceptError> {
-        if self.in_ci {
-            return Err(AcceptError::Ci);
-        }
-        if self.reason.trim().is_empty() {
-            return Err(AcceptError::NoReason);
-        }
-        Ok(())
+        let (reason, help) = if self.in_ci {
+            (
+                "goldens are not accepted where CI is set: nobody looks at the images there",
+                "accept on your own machine, look at the images, commit them",
+            )
+        } else if self.reason.trim().is_empty() {
+            (
+                "a golden changes only with a reason, and none was given",
+                "state what was wrong before, or what a first golden is for: --reason \"…\"",
+            )
+        } else {
+            return Ok(());
+        };
+        let [reason, help] = [reason, help].map(str::to_owned);
+        Err(AcceptError::Refused { reason, help })
     }
-}
-
-/// Progress of an accept, called from any thread.
-pub trait AcceptWatch: render::Watch {
-    /// A case begins.
-    fn begin_case(&self, case: &str);
-
-    /// It is rendered.
-    fn end_case(&self);
 }
 
 /// Renders `cases` and accepts the images as their goldens, all at once or none.
@@ -130,9 +89,10 @@ pub fn accept(
     cases: &[&Case],
     store: &Store,
     request: Request<'_>,
-    watch: &dyn AcceptWatch,
+    watch: &dyn Watch,
+    step: &dyn Fn(Step<'_>),
 ) -> Result<Vec<Accepted>, AcceptError> {
-    accept_with(&ReferenceRenderer, cases, store, request, watch)
+    accept_with(&ReferenceRenderer, cases, store, request, watch, step)
 }
 
 pub(crate) fn accept_with(
@@ -140,7 +100,8 @@ pub(crate) fn accept_with(
     cases: &[&Case],
     store: &Store,
     request: Request<'_>,
-    watch: &dyn AcceptWatch,
+    watch: &dyn Watch,
+    step: &dyn Fn(Step<'_>),
 ) -> Result<Vec<Accepted>, AcceptError> {
     request.check()?;
     let reason = request.reason.trim();
@@ -158,15 +119,12 @@ pub(crate) fn accept_with(
     let mut accepted = Vec::new();
     let mut files = Vec::new();
     for task in tasks {
-        watch.begin_case(&task.case.name);
+        step(Step::Begins(&task.case.name));
         let image = task.picture(renderer, watch)?;
         let (change, mut new) = prepare(&task, image, store, reason)?;
-        accepted.push(Accepted {
-            case: task.case.name.clone(),
-            change,
-        });
+        accepted.push(change);
         files.append(&mut new);
-        watch.end_case();
+        step(Step::Done);
     }
     // Also without files: an accept that was interrupted after it was decided is completed.
     store.publish(&files)?;
@@ -174,15 +132,12 @@ pub(crate) fn accept_with(
 }
 
 impl AcceptError {
-    fn refused(case: &Case, reason: impl ToString, help: &'static str) -> AcceptError {
-        AcceptError::Refused {
-            case: case.name.clone(),
-            reason: reason.to_string(),
-            help,
-        }
+    fn refused(case: &Case, reason: impl Display, help: impl Into<String>) -> AcceptError {
+        let (reason, help) = (format!("{}: {reason}", case.name), help.into());
+        AcceptError::Refused { reason, help }
     }
 
-    fn incomplete(case: &Case, reason: impl ToString) -> AcceptError {
+    fn incomplete(case: &Case, reason: impl Display) -> AcceptError {
         let help = "nothing was accepted, not even the other cases";
         AcceptError::refused(case, reason, help)
     }
@@ -263,7 +218,7 @@ impl<'c> LoadedCase<'c> {
     fn picture(
         &self,
         renderer: &dyn Renderer,
-        watch: &dyn AcceptWatch,
+        watch: &dyn Watch,
     ) -> Result<GoldenImage, AcceptError> {
         let (plans, mut films, mut error_bound) = (plans(&self.scene), Vec::new(), None);
         for rendering in &self.renderings {
@@ -273,11 +228,7 @@ impl<'c> LoadedCase<'c> {
             error_bound = made.error_bound;
         }
         films.extend(self.image.clone());
-        let image = self.checked(films, error_bound)?;
-        Ok(GoldenImage {
-            sensitivities: self.sensitivities.clone(),
-            ..image
-        })
+        self.checked(films, error_bound)
     }
 
     /// The picture of the golden, of a case of these renderings, if it is what the case promises.
@@ -323,7 +274,7 @@ impl<'c> LoadedCase<'c> {
             // Half of the spacing of 32-bit numbers besides.
             error: error_bound.map(|bound| bound + f64::from(f32::EPSILON) / 2.0),
             quick: quick.as_ref().map(pinned),
-            sensitivities: None,
+            sensitivities: self.sensitivities.clone(),
         })
     }
 
@@ -340,7 +291,7 @@ impl<'c> LoadedCase<'c> {
             film: known.film,
             error: Some(known.error),
             quick: Some(pinned(rendering)),
-            sensitivities: None,
+            sensitivities: self.sensitivities.clone(),
         })
     }
 }
@@ -369,13 +320,15 @@ fn check_converged(
     }
     // Errors fall with the root of the samples. A tenth more, as the error is an estimate too.
     let enough = f64::from(sampling.samples) * excess * excess * 1.1;
-    Err(AcceptError::TooNoisy {
-        case: case.name.clone(),
-        error,
-        resolution: sampling.resolution,
-        // A float becomes the nearest whole number there is room for.
-        enough: (enough as u64).next_multiple_of(64),
-    })
+    // A float becomes the nearest whole number there is room for.
+    let enough = (enough as u64).next_multiple_of(64);
+    let reason = format!(
+        "the golden would be too noisy: the standard error of a block is {error:.2e} of its mean, and a resolution \
+         of {} needs a quarter of the resolution or less",
+        sampling.resolution
+    );
+    let help = format!("in the manifest: converged_samples = {enough}; nothing was accepted");
+    Err(AcceptError::refused(case, reason, help))
 }
 
 /// Largest error of the limit of a case: error of a pixel relative to the brightest.
@@ -419,18 +372,19 @@ fn prepare(
     golden: GoldenImage,
     store: &Store,
     reason: &str,
-) -> Result<(Change, GoldenFiles), AcceptError> {
+) -> Result<(Accepted, GoldenFiles), AcceptError> {
     let LoadedCase { case, scene, .. } = task;
     let plans = plans(scene);
-    let mut damaged = false;
-    let old = match Golden::read_with_any_sensitivities(store, case) {
-        Ok(golden) => Some(golden),
+    let changed = |change, detail: &str| Accepted {
+        case: case.name.clone(),
+        change,
+        detail: detail.to_owned(),
+    };
+    let (old, why_new) = match Golden::read_with_any_sensitivities(store, case) {
+        Ok(golden) => (Some(golden), ""),
         Err(GoldenError::Store(error)) => return Err(error.into()),
-        Err(GoldenError::Missing(_)) => None,
-        Err(_) => {
-            damaged = true;
-            None
-        }
+        Err(GoldenError::Missing(_)) => (None, "its first golden"),
+        Err(_) => (None, "the old golden was damaged"),
     };
     let same_file = |old: &Golden| {
         old.provenance.case == case.name
@@ -442,31 +396,38 @@ fn prepare(
             && old.provenance.sensitivities == golden.sensitivities_hash()
             && old.provenance.truth.as_deref() == case.truth.map(|formula| formula.name)
     };
+    let mut reasons = Reasons {
+        picture: reason,
+        record: "",
+    };
     let change = match &old {
-        None => Change::New { damaged },
-        Some(old) if old.provenance.pixels == golden.film.pixel_hash() => {
-            if same_file(old) {
-                return Ok((Change::Unchanged, Vec::new()));
-            }
-            Change::SamePicture
-        }
-        Some(old) => {
+        None => changed("new", why_new),
+        Some(old) if old.provenance.pixels != golden.film.pixel_hash() => {
             let [before, after] =
                 [&old.film, &golden.film].map(|film| Picture::Radiance(film.clone()));
             let judgement = judge(Gate::Exact, &before, &after, &Conditions::default());
-            Change::Replaced(judgement.expect("both images are radiance").reason)
+            changed(
+                "replaced",
+                &judgement.expect("both images are radiance").reason,
+            )
         }
-    };
-    // A picture that stays keeps its reason.
-    let reasons = match &old {
-        Some(old) if change == Change::SamePicture => Reasons {
-            picture: &old.provenance.reason,
-            record: reason,
-        },
-        _ => Reasons {
-            picture: reason,
-            record: "",
-        },
+        Some(old) if same_file(old) => {
+            return Ok((
+                changed("unchanged", "kept, with its old reason"),
+                Vec::new(),
+            ));
+        }
+        Some(old) => {
+            // A picture that stays keeps its reason.
+            reasons = Reasons {
+                picture: &old.provenance.reason,
+                record: reason,
+            };
+            changed(
+                "recorded",
+                "same image; its record (scene, plan, truth, how it is judged, quick rendering or sensitivities) changed",
+            )
+        }
     };
     let files = Golden::encode(case, scene, &plans, golden, reasons, old.as_ref())
         .map_err(|error| AcceptError::incomplete(case, error))?;

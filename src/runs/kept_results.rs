@@ -12,7 +12,7 @@ use crate::film::{Film, FilmFormat};
 use crate::judging::{CaseResult, CaseTrials, Cause, Evidence, Judged};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::error::Error;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -39,31 +39,30 @@ impl Run {
 
     /// First difference of `other`, with both values: short words.
     pub fn difference(&self, other: &Run) -> (String, [String; 2]) {
-        let [ours, theirs] = [(self, other), (other, self)].map(|(run, other)| run.facts(other));
-        let mut pairs = ours.zip(theirs);
-        let differs = pairs.find(|(one, other)| one != other);
-        let ((name, one), (_, other)) = differs.unwrap_or_default();
-        (name, [one, other].map(|value| shortened(&value)))
+        let facts = [self.facts(), other.facts()];
+        let mut names = facts.iter().flat_map(BTreeMap::keys);
+        let name = names.find(|name| facts[0].get(*name) != facts[1].get(*name));
+        let name = name.cloned().unwrap_or_default();
+        let value = |facts: &BTreeMap<String, String>| match facts.get(&name) {
+            Some(value) => shortened(value),
+            None => "none".to_owned(),
+        };
+        let values = facts.each_ref().map(value);
+        (name, values)
     }
 
-    /// All that makes a run, by name, with `none` for a setting that only `other` has.
-    fn facts<'r>(&'r self, other: &'r Run) -> impl Iterator<Item = (String, String)> + 'r {
+    /// All that makes a run, by name.
+    fn facts(&self) -> BTreeMap<String, String> {
+        let mut facts = self.settings.clone();
+        facts.insert("the command".to_owned(), self.command.clone());
         let count = format!("{} cases", self.cases.len());
-        let whole = [
-            ("the command", self.command.clone()),
-            ("the list of cases", count),
-        ];
-        let whole = whole.map(|(name, value)| (name.to_owned(), value));
-        let cases = self.cases.iter().map(|(name, hash)| {
+        facts.insert("the list of cases".to_owned(), count);
+        let cases = self.cases.iter();
+        facts.extend(cases.map(|(name, hash)| {
             let name = format!("the scene, manifest or golden of {name}");
             (name, hash.clone())
-        });
-        let names: BTreeSet<&String> = self.settings.keys().chain(other.settings.keys()).collect();
-        let settings = names.into_iter().map(|name| {
-            let value = self.settings.get(name).cloned();
-            (name.clone(), value.unwrap_or("none".to_owned()))
-        });
-        whole.into_iter().chain(cases).chain(settings)
+        }));
+        facts
     }
 }
 
@@ -121,15 +120,6 @@ impl KeptResult {
             evidence: judged.evidence.clone(),
             image: judged.evidence.test.as_ref().map(format),
         }
-    }
-
-    /// Its text, but for the time that it took.
-    pub fn without_time(&self) -> String {
-        let result = CaseResult {
-            seconds: 0.0,
-            ..self.result.clone()
-        };
-        serde_json::to_string(&result).unwrap_or_default()
     }
 
     /// The result, without images.
