@@ -65,8 +65,6 @@ struct Look {
     samples: f64,
     /// Noise is stated, or taken from the spread of several renderings.
     has_noise: bool,
-    /// Standard error of a pixel, root mean square, where it is known.
-    error: Option<f64>,
     /// Concentration of the variance in few pixels, where there were two renderings.
     concentration: Option<Concentration>,
 }
@@ -126,22 +124,8 @@ impl Looks {
         self.0.push(Look {
             samples: film.samples().unwrap_or(1) as f64,
             has_noise: film.noise().is_some(),
-            error: film.noise().map(|noise| {
-                let variances = noise.variance().as_flattened();
-                let sum: f64 = variances.iter().copied().map(f64::from).sum();
-                (sum / variances.len() as f64).sqrt()
-            }),
             concentration: concentrations.max_by_key(Concentration::is_of_heavy_tails),
         });
-    }
-
-    /// Samples per pixel of each look, in all, and the standard error of a pixel (root mean square), where it is
-    /// known.
-    pub fn noise(&self) -> Vec<[f64; 2]> {
-        let looks = self.0.iter();
-        looks
-            .filter_map(|look| Some([look.samples, look.error?]))
-            .collect()
     }
 
     /// Samples per pixel of the last look, in all.

@@ -29,10 +29,6 @@ pub struct Evidence {
     pub provenance: Vec<(String, String)>,
     /// Commands that repeat the judgement, one to a line.
     pub reproduce: Vec<String>,
-    /// Noise at each look at an image that was looked at several times: samples per pixel, and the
-    /// standard error of a pixel (root mean square over pixels and channels), radiance.
-    #[serde(default)]
-    pub noise_by_samples: Vec<[f64; 2]>,
     /// Command line of the other renderer, if it was run.
     pub call: Option<String>,
     /// Standard output and error of the other renderer, if it was run.

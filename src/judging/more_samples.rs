@@ -329,7 +329,6 @@ impl OpenCase<'_> {
         }
         result.seconds = self.spent[0];
         self.judged.evidence.rendering_seconds = Some(self.spent[0]);
-        self.judged.evidence.noise_by_samples = self.looks.noise();
     }
 }
 

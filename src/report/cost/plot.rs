@@ -4,7 +4,7 @@ use super::words;
 use crate::cost::{Cost, Level, Sweep};
 use crate::files::visible::xml_text;
 use crate::math::log10;
-use std::fmt::Write as _;
+use minijinja::{Environment, Value, context};
 
 /// Width of the drawing, height of a panel, and what is above, below and beside the axes.
 const WIDTH: f64 = 800.0;
@@ -26,13 +26,8 @@ const LABELS: [(f64, f64, &str); 3] = [
     (7.0, 9.0, "start"),
 ];
 
-const INK: &str = "#1c1c1a";
-const SOFT: &str = "#55554f";
-const GRID: &str = "#e3e3de";
-
 /// A panel: an axis of work, or of seconds.
 struct Axes {
-    title: String,
     is_time: bool,
     /// Logarithms at the ends of the axes.
     x: [f64; 2],
@@ -83,49 +78,53 @@ pub fn plot(cost: &Cost) -> String {
     }
     let count = panels.len().max(1) as f64;
     let each = (WIDTH - LEFT - RIGHT - (count - 1.0) * (LEFT + BETWEEN)) / count;
-    let height = ABOVE + HEIGHT + BELOW + LINE * (cost.sweeps.len() as f64 + 1.0);
-    let name = xml_text(&words::scene(cost));
-    let mut svg = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{WIDTH}\" height=\"{height}\" \
-         viewBox=\"0 0 {WIDTH} {height}\" role=\"img\" aria-label=\"error against work: {name}\" \
-         font-family=\"system-ui, Helvetica, Arial, sans-serif\" font-size=\"11.5\">\n\
-         <rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n"
-    );
-    for (index, (is_time, title, x, y)) in panels.into_iter().enumerate() {
+    let panels = panels.into_iter().enumerate();
+    let panels = panels.map(|(index, (is_time, title, x, y))| {
         let left = LEFT + index as f64 * (each + LEFT + BETWEEN);
         let axes = Axes {
-            title: title.to_owned(),
             is_time,
             x,
             y,
             left,
             right: left + each,
         };
-        axes.frame(&mut svg);
-        for (at, sweep) in cost.sweeps.iter().enumerate() {
-            axes.curve(&mut svg, at, sweep);
+        context! { title, ..axes.drawn(&cost.sweeps) }
+    });
+    let line = |number: usize| ABOVE + HEIGHT + BELOW + LINE * (number as f64 + 0.5);
+    let legend = cost.sweeps.iter().enumerate().map(|(at, sweep)| {
+        let (y, unit) = (line(at), sweep.parameter.unit());
+        context! {
+            y => decimal(y),
+            points => points(&[[LEFT, y], [LEFT + 30.0, y]]),
+            colour => COLOURS[at % COLOURS.len()],
+            text => format!("{} [{unit}s]: {}", sweep.name, words::fitted(&sweep.order)),
         }
-    }
-    legend(&mut svg, cost);
-    svg + "</svg>\n"
+    });
+    let mut environment = Environment::new();
+    environment.set_trim_blocks(true);
+    environment.set_keep_trailing_newline(true);
+    environment.add_filter("xml", |text: String| xml_text(&text));
+    let context = context! {
+        width => WIDTH.to_string(),
+        height => (line(cost.sweeps.len()) + 0.5 * LINE).to_string(),
+        name => words::scene(cost),
+        panels => panels.collect::<Vec<_>>(),
+        legend => legend.collect::<Vec<_>>(),
+        lowest => decimal(line(cost.sweeps.len())),
+    };
+    // A checkout may have given the template other ends of lines.
+    let template = include_str!("plot.svg").replace("\r\n", "\n");
+    let drawn = environment.render_str(&template, context);
+    drawn.expect("the template is well-formed and asks only for what it is given")
 }
 
-/// A line for each curve, and one for the signs.
-fn legend(svg: &mut String, cost: &Cost) {
-    let top = ABOVE + HEIGHT + BELOW + 0.5 * LINE;
-    for (at, sweep) in cost.sweeps.iter().enumerate() {
-        let y = top + LINE * at as f64;
-        let colour = COLOURS[at % COLOURS.len()];
-        line(svg, &[[LEFT, y], [LEFT + 30.0, y]], colour, 1.8, "");
-        mark(svg, [LEFT + 15.0, y], colour, false, "");
-        let unit = sweep.parameter.unit();
-        let text = format!("{} [{unit}s]: {}", sweep.name, words::fitted(&sweep.order));
-        label(svg, &text, [LEFT + 38.0, y], INK, "start");
-    }
-    let y = top + LINE * cost.sweeps.len() as f64;
-    let signs = "numbers: settings; ring: the scene's own; hollow: may be the error of the reference; \
-                 dotted: the expected order";
-    label(svg, signs, [LEFT, y], SOFT, "start");
+fn decimal(number: f64) -> String {
+    format!("{number:.1}")
+}
+
+fn points(points: &[[f64; 2]]) -> String {
+    let points = points.iter().map(|[x, y]| format!("{x:.1},{y:.1}"));
+    points.collect::<Vec<_>>().join(" ")
 }
 
 impl Axes {
@@ -137,89 +136,79 @@ impl Axes {
         ]
     }
 
-    /// Lines at powers of ten with their labels, at 2 and 5 where there are few, and titles.
-    fn frame(&self, svg: &mut String) {
-        let bottom = ABOVE + HEIGHT;
-        for (tick, text) in ticks(self.x, self.is_time) {
+    /// Lines at powers of ten with their labels, at 2 and 5 where there are few, and the curves.
+    fn drawn(&self, sweeps: &[Sweep]) -> Value {
+        let (left, right, bottom) = (self.left, self.right, ABOVE + HEIGHT);
+        let across = ticks(self.x, self.is_time).into_iter().map(|(tick, text)| {
             let [x, _] = self.place([tick, self.y[0]]);
-            line(svg, &[[x, ABOVE], [x, bottom]], GRID, 1.0, "");
-            label(svg, &text, [x, bottom + 12.0], SOFT, "middle");
-        }
-        for (tick, text) in ticks(self.y, false) {
+            context! { text, x => decimal(x), points => points(&[[x, ABOVE], [x, bottom]]) }
+        });
+        let up = ticks(self.y, false).into_iter().map(|(tick, text)| {
             let [_, y] = self.place([self.x[0], tick]);
-            line(svg, &[[self.left, y], [self.right, y]], GRID, 1.0, "");
-            label(svg, &text, [self.left - 6.0, y], SOFT, "end");
+            let points = points(&[[left, y], [right, y]]);
+            context! { text, x => decimal(left - 6.0), y => decimal(y), points }
+        });
+        let curves = sweeps.iter().enumerate();
+        context! {
+            across => across.collect::<Vec<_>>(),
+            up => up.collect::<Vec<_>>(),
+            axes => points(&[[left, ABOVE], [left, bottom], [right, bottom]]),
+            left => decimal(left),
+            middle => decimal(0.5 * (left + right)),
+            below => decimal(bottom + 12.0),
+            lowest => decimal(bottom + 30.0),
+            curves => curves.map(|(at, sweep)| self.curve(at, sweep)).collect::<Vec<_>>(),
         }
-        let corner = [self.left, bottom];
-        line(
-            svg,
-            &[[self.left, ABOVE], corner, [self.right, bottom]],
-            SOFT,
-            1.0,
-            "",
-        );
-        let middle = 0.5 * (self.left + self.right);
-        label(svg, &self.title, [middle, bottom + 30.0], INK, "middle");
-        label(svg, "relative RMS error", [self.left, 12.0], INK, "start");
     }
 
     /// The curve of a sweep, number `at` of them.
-    fn curve(&self, svg: &mut String, at: usize, sweep: &Sweep) {
-        let colour = COLOURS[at % COLOURS.len()];
+    fn curve(&self, at: usize, sweep: &Sweep) -> Value {
         let place = |level: &Level| {
             let x = across(level, self.is_time)?;
             Some(self.place([x, log10(level.error.l2)]))
         };
-        let points: Vec<_> = sweep.levels.iter().filter_map(place).collect();
-        self.guide(svg, colour, sweep);
-        line(svg, &points, colour, 1.8, "");
         let (right, below, anchor) = LABELS[at % LABELS.len()];
-        for level in &sweep.levels {
-            let Some([x, y]) = place(level) else {
-                continue;
-            };
-            if let (true, Some(times)) = (self.is_time, &level.time) {
-                let ends = [times.min, times.max].map(|time| self.place([log10(time), 0.0])[0]);
-                let inside = ends.map(|x| x.clamp(self.left, self.right));
-                line(svg, &[[inside[0], y], [inside[1], y]], colour, 1.0, "");
-            }
-            if level.value == sweep.own {
-                let ring = format!("<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"7\"");
-                let _ = writeln!(svg, "{ring} fill=\"none\" stroke=\"{colour}\"/>");
-            }
+        let levels = sweep.levels.iter().filter_map(|level| {
+            let [x, y] = place(level)?;
+            let times = level.time.as_ref().filter(|_| self.is_time);
             let (setting, error) = (&level.setting, words::error(level.error.l2));
-            let told = format!("{}, {setting}: error {error}", sweep.name);
-            mark(
-                svg,
-                [x, y],
-                colour,
-                level.error.l2 <= sweep.order.known,
-                &told,
-            );
-            label(
-                svg,
-                &short(level.value),
-                [x + right, y + below],
-                colour,
-                anchor,
-            );
+            Some(context! {
+                x => decimal(x),
+                y => decimal(y),
+                times => times.map(|times| {
+                    let place = |time| self.place([log10(time), 0.0])[0];
+                    let ends = [times.min, times.max].map(place);
+                    points(&ends.map(|x| [x.clamp(self.left, self.right), y]))
+                }),
+                is_own => level.value == sweep.own,
+                is_hollow => level.error.l2 <= sweep.order.known,
+                told => format!("{}, {setting}: error {error}", sweep.name),
+                setting => short(level.value),
+                right => decimal(x + right),
+                below => decimal(y + below),
+            })
+        });
+        context! {
+            colour => COLOURS[at % COLOURS.len()],
+            anchor,
+            guide => self.guide(sweep),
+            points => points(&sweep.levels.iter().filter_map(place).collect::<Vec<_>>()),
+            levels => levels.collect::<Vec<_>>(),
         }
     }
 
     /// The expected order as a line through the finest setting whose error is surely its own.
-    fn guide(&self, svg: &mut String, colour: &str, sweep: &Sweep) {
+    fn guide(&self, sweep: &Sweep) -> Option<String> {
         let levels = sweep.levels.iter().rev();
         let mut sure = levels.filter(|level| level.error.l2 > sweep.order.known);
         let finest = sure.find_map(|level| Some((across(level, self.is_time)?, level.error.l2)));
-        let (Some((x, error)), Some(order)) = (finest, sweep.order.expected) else {
-            return;
-        };
+        let ((x, error), order) = (finest?, sweep.order.expected?);
         // The work is proportional to samples, and inversely to steps.
         let (slope, y) = (-order.abs(), log10(error));
         // Up to where the line leaves the panel.
         let run = (x - self.x[0]).min((self.y[1] - y) / -slope);
-        let ends = [[x - run, y - slope * run], [x, y]].map(|end| self.place(end));
-        line(svg, &ends, colour, 1.2, " stroke-dasharray=\"1.5 3\"");
+        let ends = [[x - run, y - slope * run], [x, y]];
+        Some(points(&ends.map(|end| self.place(end))))
     }
 }
 
@@ -264,32 +253,4 @@ fn tick_label(part: i32, decade: i32, is_time: bool) -> String {
         left @ 0..5 => format!("{}{unit}", part * 10_i32.pow(left as u32)),
         left => format!("{part}e{left}{unit}"),
     }
-}
-
-fn line(svg: &mut String, points: &[[f64; 2]], colour: &str, width: f64, more: &str) {
-    let points = points.iter().map(|[x, y]| format!("{x:.1},{y:.1}"));
-    let points = points.collect::<Vec<_>>().join(" ");
-    let _ = writeln!(
-        svg,
-        "<polyline points=\"{points}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"{width}\"{more}/>"
-    );
-}
-
-/// A mark, and what browsers show where the pointer rests on it.
-fn mark(svg: &mut String, [x, y]: [f64; 2], colour: &str, is_hollow: bool, told: &str) {
-    let (fill, told) = (if is_hollow { "#ffffff" } else { colour }, xml_text(told));
-    let _ = writeln!(
-        svg,
-        "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"3.7\" fill=\"{fill}\" stroke=\"{colour}\"><title>{told}</title></circle>"
-    );
-}
-
-/// A text beside a place, at its height, with an edge of white to be read above lines.
-fn label(svg: &mut String, text: &str, [x, y]: [f64; 2], colour: &str, anchor: &str) {
-    let text = xml_text(text);
-    let _ = writeln!(
-        svg,
-        "<text x=\"{x:.1}\" y=\"{y:.1}\" dy=\".35em\" fill=\"{colour}\" text-anchor=\"{anchor}\" stroke=\"#ffffff\" \
-         stroke-width=\"3\" paint-order=\"stroke\">{text}</text>"
-    );
 }

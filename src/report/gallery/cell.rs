@@ -53,22 +53,8 @@ fn means(golden: &Film) -> [f64; 3] {
     })
 }
 
-/// Bias of the mean that the rounding of `film` to 8 bits hides at most, in percent: gates compare the nearest of all
-/// images that round to it, so that any within half a code shows none.
-fn hidden(golden: &Film, film: &Film, exposure: f64) -> Option<f64> {
-    let known = film.quantisation();
-    let known = known.or_else(|| recognised(golden, film.clone(), exposure).quantisation())?;
-    let share = |c: usize| {
-        let values = || golden.radiance().iter().map(|pixel| f64::from(pixel[c]));
-        values().map(|value| known.half_code(value)).sum::<f64>() / values().sum::<f64>()
-    };
-    let shares = [0, 1, 2].map(share).into_iter();
-    let shares = shares.filter(|share| share.is_finite());
-    Some(100.0 * shares.max_by(f64::total_cmp)?)
-}
-
 /// Bias of the mean of the channel that has most, in percent of the golden's, with its 95 % interval where it has
-/// noise, and with what 8 bits hide of it.
+/// noise. None of an image rounded to 8 bits that shows none: gates compare the nearest image that rounds to it.
 pub(super) fn bias(
     result: &CaseResult,
     golden: &Film,
@@ -76,7 +62,6 @@ pub(super) fn bias(
     exposure: f64,
 ) -> Option<String> {
     let means = means(golden);
-    let hidden = film.and_then(|film| hidden(golden, film, exposure));
     let of = |c: usize| {
         let metric = |kind| result.metrics.get(&format!("{kind}_{}", CHANNELS[c]));
         let percent = 100.0 / means[c];
@@ -93,21 +78,23 @@ pub(super) fn bias(
     let (channel, [size, interval]) = most;
     let sign = if size < 0.0 { "−" } else { "+" };
     let size = size.abs();
-    let text = match interval {
+    let is_rounded = |film: &Film| {
+        let film = recognised(golden, film.clone(), exposure);
+        film.quantisation().is_some()
+    };
+    match interval {
         _ if interval > 0.0 => {
             // Two digits of the interval.
             let least = [10.0, 1.0, 0.1, 0.01].into_iter();
             let digits = least.take_while(|least| interval < *least).count();
-            format!("{channel} {sign}{size:.digits$} ± {interval:.digits$} %")
+            Some(format!(
+                "{channel} {sign}{size:.digits$} ± {interval:.digits$} %"
+            ))
         }
-        _ if size < 0.005 => "below 0.005 %".to_owned(),
-        _ => format!("{channel} {sign}{size:.2} %"),
-    };
-    Some(match hidden {
-        Some(most) if size < 0.005 => format!("hidden by 8 bits: up to {most:.2} %"),
-        Some(most) => format!("{text}; hidden by 8 bits: up to {most:.2} %"),
-        None => text,
-    })
+        _ if size >= 0.005 => Some(format!("{channel} {sign}{size:.2} %")),
+        _ if film.is_some_and(is_rounded) => None,
+        _ => Some("below 0.005 %".to_owned()),
+    }
 }
 
 /// Differences of an image from the golden, the mean of the channels, in codes of 255.

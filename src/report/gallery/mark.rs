@@ -4,84 +4,22 @@ use crate::judging::{CaseResult, KnownStatus, Verdict};
 use crate::suite::refusal;
 use minijinja::{Value, context};
 
-/// A kind of result.
+/// A kind of result: class of its elements, sign that tells it apart without colour, and word for it. The template
+/// explains them.
 #[derive(Debug, PartialEq)]
-pub(super) struct Mark {
-    /// Class of its elements.
-    pub class: &'static str,
-    /// Sign that tells it apart without colour.
-    pub symbol: &'static str,
-    /// Word for it.
-    pub word: &'static str,
-    /// Explanation, for the legend.
-    meaning: &'static str,
-}
-
-const fn new([class, symbol, word, meaning]: [&'static str; 4]) -> Mark {
-    Mark {
-        class,
-        symbol,
-        word,
-        meaning,
-    }
-}
+pub(super) struct Mark(pub &'static str, &'static str, &'static str);
 
 /// All marks, in the order of the legend.
 static MARKS: [Mark; 9] = [
-    new([
-        "right",
-        "✓",
-        "right",
-        "The image agrees with the right one, up to rounding or noise.",
-    ]),
-    new([
-        "convention",
-        "≈",
-        "right by convention",
-        "The image agrees under other conventions than those of the scene, and volref says which.",
-    ]),
-    new([
-        "known",
-        "✗",
-        "wrong, cause known",
-        "The image differs, and a person has written down why.",
-    ]),
-    new([
-        "wrong",
-        "✗",
-        "wrong, cause not known",
-        "The image differs, and nobody has found out why yet.",
-    ]),
-    new([
-        "undecided",
-        "?",
-        "undecided",
-        "The image is too noisy, or its steps are too long, to tell.",
-    ]),
-    new([
-        "error",
-        "!",
-        "error",
-        "The renderer failed, or its image cannot be read.",
-    ]),
-    new([
-        "absent",
-        "○",
-        "no image",
-        "The renderer was asked, and there is no image.",
-    ]),
-    new([
-        "cannot",
-        "·",
-        "cannot say",
-        "The renderer has no way to draw the scene. That is no failure.",
-    ]),
-    new([
-        "blank",
-        "",
-        "not asked",
-        "The mark is blank: the run of the renderer left the scene out.",
-    ]),
+    Mark("right", "✓", "right"),
+    Mark("convention", "≈", "right by convention"),
+    Mark("known", "✗", "wrong, cause known"),
+    Mark("wrong", "✗", "wrong, cause not known"),
+    Mark("undecided", "?", "undecided"),
+    Mark("error", "!", "error"),
+    Mark("absent", "○", "no image"),
+    Mark("cannot", "·", "cannot say"),
+    Mark("blank", "", "not asked"),
 ];
 
 impl Mark {
@@ -105,37 +43,35 @@ impl Mark {
 
     /// True of a failure, which has a cause.
     pub fn is_wrong(&self) -> bool {
-        ["known", "wrong", "error"].contains(&self.class)
+        ["known", "wrong", "error"].contains(&self.0)
     }
 
     /// True if the renderer tried: there is an image, or it failed.
     pub fn is_judged(&self) -> bool {
-        !["absent", "cannot", "blank"].contains(&self.class)
+        !["absent", "cannot", "blank"].contains(&self.0)
     }
 
     /// True if an image was compared with the right one.
     pub fn is_compared(&self) -> bool {
-        self.is_judged() && self.class != "error"
+        self.is_judged() && self.0 != "error"
     }
 
     /// True if the image is right.
     pub fn is_right(&self) -> bool {
-        ["right", "convention"].contains(&self.class)
+        ["right", "convention"].contains(&self.0)
     }
 
     /// The words for a template.
     pub fn shown(&self) -> Value {
-        context! { class => self.class, symbol => self.symbol, word => self.word, is_judged => self.is_judged() }
+        context! { class => self.0, symbol => self.1, word => self.2, is_judged => self.is_judged() }
     }
 }
 
-/// The legend: the marks that occur among `marks`, how often, and what they mean.
+/// The legend: the marks that occur among `marks`, and how often.
 pub(super) fn legend<'m>(marks: impl Iterator<Item = &'m Mark> + Clone) -> Vec<Value> {
     let count = |mark: &Mark| marks.clone().filter(|other| *other == mark).count();
     let counted = MARKS.iter().map(|mark| (mark, count(mark)));
     let some = counted.filter(|(_, count)| *count > 0);
-    some.map(|(mark, count)| {
-        context! { count => count, meaning => mark.meaning, ..mark.shown() }
-    })
-    .collect()
+    some.map(|(mark, count)| context! { count => count, ..mark.shown() })
+        .collect()
 }

@@ -59,7 +59,6 @@ pub(super) fn view(
         numbers => result.metrics.iter().map(number).collect::<Vec<_>>(),
         changes => forest::rows(&result.changes),
         p_values,
-        by_samples => noise::by_samples(&evidence.noise_by_samples),
         // Red, green and blue over the image, where there are both images.
         means => films.map(|(golden, test)| measures::means(golden, test)),
         // Notes beside the verdict, and oddities of the images.

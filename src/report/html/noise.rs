@@ -1,8 +1,7 @@
-//! Plots by which a reader can check the noise of an image: p-values of its blocks against the
-//! uniform distribution, and its standard error against its samples.
+//! A plot by which a reader can check the noise of an image: p-values of its blocks against the
+//! uniform distribution.
 
 use crate::compare::BlockMap;
-use crate::math;
 use minijinja::{Value, context};
 use statrs::function::erf::erfc;
 use std::f64::consts::SQRT_2;
@@ -62,44 +61,6 @@ pub(super) fn p_values(map: &BlockMap) -> Option<Value> {
     })
 }
 
-/// Room around a plot, in pixels.
-const MARGIN: f64 = 12.0;
-
-/// Standard errors against samples, both on logarithmic scales, beside the line with slope −1/2 through the
-/// first point: two looks or more.
-pub(super) fn by_samples(looks: &[[f64; 2]]) -> Option<Value> {
-    let is_positive = |[samples, error]: &&[f64; 2]| *samples > 0.0 && *error > 0.0;
-    let logs: Vec<[f64; 2]> = looks
-        .iter()
-        .filter(is_positive)
-        .map(|look| look.map(math::ln))
-        .collect();
-    let (first, last) = (logs.first()?, logs.last()?);
-    let decades = last[0] - first[0];
-    if logs.len() < 2 || decades <= 0.0 {
-        return None;
-    }
-    // The line ends within the plot, and so does noise that does not fall at all.
-    let end = first[1] - decades / 2.0;
-    let errors = || logs.iter().map(|look| look[1]).chain([end]);
-    let low = errors().fold(f64::INFINITY, f64::min);
-    let high = errors().fold(f64::NEG_INFINITY, f64::max);
-    let [width, height] = SIZE;
-    let x = |log: f64| MARGIN + (width - 2.0 * MARGIN) * (log - first[0]) / decades;
-    let y = |log: f64| MARGIN + (height - 2.0 * MARGIN) * (high - log) / (high - low).max(1e-3);
-    let at = |log: [f64; 2]| {
-        context! { x => format!("{:.1}", x(log[0])), y => format!("{:.1}", y(log[1])) }
-    };
-    let slope = (last[1] - first[1]) / decades;
-    Some(context! {
-        points => logs.iter().map(|&log| at(log)).collect::<Vec<_>>(),
-        from => at(*first),
-        to => at([last[0], end]),
-        samples => [first, last].map(|log| format!("{:.0}", math::exp(log[0]))),
-        slope => format!("{slope:.2}").replace('-', "−"),
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -128,23 +89,5 @@ mod tests {
         assert_eq!(inside(&map((0..400).map(quantile))), 20);
         assert!(inside(&map((0..400).map(|i| 2.0 * quantile(i)))) < 18);
         assert!(p_values(&map((0..80).map(quantile))).is_none());
-    }
-
-    #[test]
-    fn slopes_are_those_of_the_points() {
-        let slope = |looks: &[[f64; 2]]| {
-            let drawn = by_samples(looks).unwrap();
-            drawn.get_attr("slope").unwrap().to_string()
-        };
-        assert_eq!(slope(&[[64.0, 0.1], [256.0, 0.05]]), "−0.50");
-        assert_eq!(slope(&[[64.0, 0.1], [128.0, 0.3], [256.0, 0.1]]), "0.00");
-        for looks in [
-            &[][..],
-            &[[64.0, 0.1]],
-            &[[64.0, 0.1], [64.0, 0.1]],
-            &[[64.0, 0.0], [128.0, 0.1]],
-        ] {
-            assert!(by_samples(looks).is_none(), "{looks:?}");
-        }
     }
 }

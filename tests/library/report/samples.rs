@@ -285,7 +285,6 @@ pub fn hostile() -> Sample {
         computes: text(),
         provenance: vec![(text(), text())],
         reproduce: vec![text()],
-        noise_by_samples: vec![[4.0, f64::NAN], [f64::INFINITY, 0.0]],
         call: Some(text()),
         output: Some(text()),
         rendering_seconds: None,
