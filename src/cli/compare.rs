@@ -89,7 +89,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     if let Some(path) = &arguments.heatmap {
         check_heatmap(path)?;
     }
-    arguments.page.check(None)?;
+    arguments.page.check()?;
     output::check(
         &[
             arguments.json.file(),

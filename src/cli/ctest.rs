@@ -10,7 +10,7 @@ use super::output;
 use crate::compare::Picture;
 use crate::files::visible::xml_text;
 use crate::film::Film;
-use crate::judging::Judged;
+use crate::judging::{Evidence, Judged};
 use std::path::{Path, PathBuf};
 
 /// Names by which CDash lays the pictures of a test over each other, with a slider, and shows their difference.
@@ -63,33 +63,37 @@ pub fn measurements(judged: &[Judged], folder: &Path) -> Result<String, Failure>
 
 /// Writes the pictures of a case, as far as it has any; returns their names for CDash and their files.
 fn pictures(judged: &Judged, folder: &Path) -> Result<Vec<(&'static str, PathBuf)>, Failure> {
-    let evidence = &judged.evidence;
-    let exposure = evidence.exposure;
-    let mut written = Vec::new();
-    let mut write_png = |name: &'static str, file: &str, png: &[u8]| -> Result<(), Failure> {
-        let file = Path::new(&judged.result.name).join(file);
-        written.push((name, output::write_within(folder, &file, png)?));
-        Ok(())
+    let Evidence {
+        golden,
+        test,
+        exposure,
+        ..
+    } = &judged.evidence;
+    let png = |picture: &Picture| -> Result<Vec<u8>, Failure> {
+        let image = picture.srgb(*exposure).map_err(bad_input)?;
+        Ok(Film::codes_to_png(
+            image.pixels(),
+            image.width(),
+            image.height(),
+        ))
     };
-    let mut write = |name: &'static str, file: &str, picture: &Picture| -> Result<(), Failure> {
-        let srgb = picture.srgb(exposure).map_err(bad_input)?;
-        let png = Film::codes_to_png(srgb.pixels(), srgb.width(), srgb.height());
-        write_png(name, file, &png)
-    };
-    let golden = evidence.golden.clone().map(Picture::Radiance);
+    let golden = golden.clone().map(Picture::Radiance);
+    let mut pictures = Vec::new();
     if let Some(golden) = &golden {
-        write(GOLDEN, "golden.png", golden)?;
+        pictures.push((GOLDEN, "golden.png", png(golden)?));
     }
-    if let Some(test) = &evidence.test {
-        write(TEST, "test.png", test)?;
+    if let Some(test) = test {
+        pictures.push((TEST, "test.png", png(test)?));
     }
-    if let (Some(golden), Some(test)) = (&golden, &evidence.test)
-        && golden.size() == test.size()
+    // There is no difference of images of other sizes, or of values that are not finite.
+    if let (Some(golden), Some(test)) = (&golden, test)
+        && let Ok(png) = heatmap(golden, test, *exposure)
     {
-        // There is none for values that are not finite.
-        if let Ok(png) = heatmap(golden, test, exposure) {
-            write_png(DIFFERENCE, "difference.png", &png)?;
-        }
+        pictures.push((DIFFERENCE, "difference.png", png));
     }
-    Ok(written)
+    let write = |(name, file, png): (&'static str, &str, Vec<u8>)| {
+        let file = Path::new(&judged.result.name).join(file);
+        Ok((name, output::write_within(folder, &file, &png)?))
+    };
+    pictures.into_iter().map(write).collect()
 }

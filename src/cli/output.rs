@@ -8,7 +8,6 @@ use crate::files::own_file;
 use crate::files::regular_file::{Identity, is_input, note_input};
 use crate::files::visible::{visible, visible_json};
 use crate::judging::Verdict;
-use crate::suite::Suite;
 use anstream::{AutoStream, ColorChoice};
 use clap::Args;
 use clap::builder::styling::AnsiColor;
@@ -242,17 +241,15 @@ fn check_no_golden(path: &Path) -> Result<(), Failure> {
 
 /// Fails if `folder` holds goldens, of this suite or of another: outputs there would be taken for goldens.
 pub fn check_no_goldens_in(folder: &Path) -> Result<(), Failure> {
-    match golden_mark::golden_within(folder) {
-        Some(golden) => Err(is_golden(
-            folder,
-            &format!("holds goldens, such as {}", golden.display()),
-        )),
-        None => Ok(()),
-    }
+    let Some(golden) = golden_mark::golden_within(folder) else {
+        return Ok(());
+    };
+    let holds = format!("holds goldens, such as {}", golden.display());
+    Err(is_golden(folder, &holds))
 }
 
 /// The failure of an output at `path`, which `is` something of the goldens.
-pub fn is_golden(path: &Path, is: &str) -> Failure {
+fn is_golden(path: &Path, is: &str) -> Failure {
     let message = format!("{} {is}", path.display());
     let help = "only `volref accept` changes goldens; write elsewhere";
     Failure::new(Exit::BadInput, message, Some(help))
@@ -362,15 +359,10 @@ fn check_target(path: &Path) -> Result<(), Failure> {
     Err(Failure::new(Exit::BadInput, message, Some(help)))
 }
 
-/// Creates a folder for outputs, with its parents.
+/// Creates a folder for outputs, with its parents; fails if it holds goldens.
 pub fn make_folder(folder: &Path) -> Result<(), Failure> {
-    let failed = |error| {
-        bad_input(format!(
-            "cannot create the folder {}: {error}",
-            folder.display()
-        ))
-    };
-    std::fs::create_dir_all(folder).map_err(failed)
+    own_file::make_folder(folder, Path::new("")).map_err(bad_input)?;
+    check_no_goldens_in(folder)
 }
 
 /// A number with its noun: `1 unit`, `2 units`.
@@ -387,24 +379,4 @@ pub fn stops(text: &str) -> Result<f64, String> {
         Ok(stops) if f64::abs(stops) <= 64.0 => Ok(stops),
         _ => Err("an exposure is a number of stops from -64 to 64, such as -1.5".to_owned()),
     }
-}
-
-/// Fails if an output would be in the folder of the goldens.
-pub fn check_not_golden(path: &Path, suite: &Suite) -> Result<(), Failure> {
-    if !is_below(path, &suite.golden_folder()) {
-        return Ok(());
-    }
-    Err(is_golden(path, "is in the folder of the goldens"))
-}
-
-/// True if `path` is in `folder`, however either is spelt.
-fn is_below(path: &Path, folder: &Path) -> bool {
-    let (Ok(path), Ok(folder)) = (std::path::absolute(path), folder.canonicalize()) else {
-        return false;
-    };
-    // What is yet to be made is in the folder that is there already.
-    let existing = path
-        .ancestors()
-        .find_map(|existing| existing.canonicalize().ok());
-    existing.is_some_and(|existing| existing.starts_with(folder))
 }

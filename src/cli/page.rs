@@ -2,9 +2,8 @@
 
 use super::command_line::command_line;
 use super::failure::Failure;
-use super::output::{self, check_not_golden};
+use super::output;
 use crate::report::{self, Page};
-use crate::suite::Suite;
 use std::path::{Path, PathBuf};
 
 /// Name of the page within the folder of a report.
@@ -28,14 +27,12 @@ impl ReportPage {
         self.report.as_deref().map(|folder| folder.join(PAGE))
     }
 
-    /// Fails if the page cannot be written or is among goldens; called before long work.
-    pub fn check(&self, suite: Option<&Suite>) -> Result<(), Failure> {
+    /// Fails if the page cannot be written ; called before long work.
+    pub fn check(&self) -> Result<(), Failure> {
         let (Some(folder), Some(page)) = (&self.report, self.file()) else {
             return Ok(());
         };
         output::make_folder(folder)?;
-        suite.map_or(Ok(()), |suite| check_not_golden(&page, suite))?;
-        output::check_no_goldens_in(folder)?;
         output::check_own(&page)
     }
 

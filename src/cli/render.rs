@@ -231,9 +231,7 @@ impl Arguments {
         warnings: &[&Reason],
         is_sampled: bool,
     ) -> String {
-        let mut notes = brightness_note(film, shown, plans)
-            .or_else(|| opacity_note(film, plans))
-            .unwrap_or_default();
+        let mut notes = brightness_note(film, shown, plans).unwrap_or_default();
         notes.push_str(&range_notes(plans));
         for warning in warnings {
             notes.push_str(&format!("note: {warning}\n"));
@@ -292,10 +290,7 @@ fn brightness_note(
         .filter(|&brightest| brightest > 0.0)
         .collect();
     if lit.is_empty() {
-        return Some(format!(
-            "note: the image is black: {}\n",
-            why_black(film, plans)
-        ));
+        return Some(format!("note: the image is black: {}\n", why_black(plans)));
     }
     // The brightest hundredth of what is lit: a single hot pixel says nothing.
     lit.sort_by(f32::total_cmp);
@@ -307,42 +302,6 @@ fn brightness_note(
         ));
     }
     None
-}
-
-/// A note on a volume of which all is opaque, or nothing.
-fn opacity_note(film: &Film, plans: &[Plan<'_>]) -> Option<String> {
-    let [plan] = plans else {
-        return None;
-    };
-    let volume = plan.panel.classified()?;
-    if volume.mode != Mode::Composited || volume.has_objects() {
-        return None;
-    }
-    let (extent, size) = (volume.extent(), [plan.panel.width, plan.panel.height]);
-    let pixels = film.opacity()?.iter().enumerate();
-    let seen = pixels.filter_map(|(index, &opacity)| {
-        let ray = volume.camera.ray([index % size[0], index / size[0]], size);
-        Some((extent.span(&ray)?.length(), opacity))
-    });
-    let seen: Vec<(f64, f32)> = seen.filter(|(length, _)| *length > 0.0).collect();
-    let longest = seen.iter().map(|(length, _)| *length).fold(0.0, f64::max);
-    // Rays through an edge of the box have little way to become opaque.
-    let mut long = seen.iter().filter(|(length, _)| 2.0 * length >= longest);
-    let (what, reference_length, values) = if seen.is_empty() {
-        return None;
-    } else if long.all(|(_, opacity)| *opacity > 0.99) {
-        ("opaque: of its inside nothing is seen", "longer", "fewer")
-    } else if seen.iter().all(|(_, opacity)| *opacity < 1.0 / 255.0) {
-        // Less than a code of 8 bits.
-        ("transparent: nothing of it is seen", "shorter", "more")
-    } else {
-        return None;
-    };
-    Some(format!(
-        "note: the whole volume is {what}; in [transfer_function], a {reference_length} `reference_length` than {}, \
-         or a `range` or points by which {values} of its values are opaque, shows more\n",
-        volume.transfer_function.reference_length
-    ))
 }
 
 /// Notes on the ranges of values that no scene states.
@@ -370,7 +329,7 @@ fn is_volume(path: &Path) -> bool {
 }
 
 /// The reason for which the image of a scene is black.
-fn why_black(film: &Film, plans: &[Plan<'_>]) -> String {
+fn why_black(plans: &[Plan<'_>]) -> String {
     if let [plan] = plans
         && let Some(volume) = plan.panel.classified()
     {
@@ -380,16 +339,9 @@ fn why_black(film: &Film, plans: &[Plan<'_>]) -> String {
         if volume.mode != Mode::Composited {
             let (least, most) = volume.grid.range();
             let [least, most] = [least as f32, most as f32];
-            let nothing_is_met = film
-                .opacity()
-                .is_some_and(|of| of.iter().all(|&it| it == 0.0));
-            let why = match &volume.mode {
-                Mode::Isosurfaces(_) if nothing_is_met && !volume.is_continuous() => {
-                    "no two neighbouring samples of a ray have a value that is shown between them"
-                }
-                _ => "no value that is shown has a colour",
-            };
-            return format!("{why}; those of the volume go from {least} to {most}");
+            return format!(
+                "no value that is shown and met has a colour; those of the volume go from {least} to {most}"
+            );
         }
     }
     "no ray reaches anything that emits light".to_owned()

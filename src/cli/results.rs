@@ -2,12 +2,11 @@
 
 use super::failure::{Exit, Failure};
 use super::known::count_in;
-use super::output::{self, Json, check_not_golden};
+use super::output::{self, Json};
 use super::page::ReportPage;
 use crate::judging::{CaseResult, Judged, JudgedWith};
 use crate::naming::Likenesses;
 use crate::report::{self, Page};
-use crate::suite::Suite;
 use serde_json::{Value, json};
 use std::path::PathBuf;
 
@@ -60,15 +59,11 @@ impl ResultFiles {
         self.report.is_asked()
     }
 
-    /// Fails if a file cannot be written or is in the folder of the goldens; called before long
-    /// work.
-    pub fn check(&self, suite: &Suite) -> Result<(), Failure> {
+    /// Fails if a file cannot be written; called before long work.
+    pub fn check(&self) -> Result<(), Failure> {
         let page = self.report.file();
-        self.report.check(Some(suite))?;
+        self.report.check()?;
         let outputs = [self.json.file(), self.junit.as_deref(), page.as_deref()];
-        for path in outputs.into_iter().flatten() {
-            check_not_golden(path, suite)?;
-        }
         output::check(&outputs, &[])
     }
 

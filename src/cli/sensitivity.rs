@@ -12,7 +12,7 @@ use crate::report::{blue_to_red, widest};
 use crate::scene::{Scene, samples};
 use crate::sensitivity::{Derivative, Differences, Number, derivative, number, numbers};
 use crate::suite::sensitivities_of;
-use serde_json::{Value, json};
+use serde_json::json;
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -93,19 +93,17 @@ pub fn run(mut arguments: Arguments) -> Result<Outcome, Failure> {
         step: arguments.step,
     };
     let start = Instant::now();
+    let differentiate = || derivative(&scene, &number, &differences, &|| false);
     let found = arguments
         .threads
-        .run(|| {
-            progress::during("differentiating", || {
-                derivative(&scene, &number, &differences, &|| false)
-            })
-        })?
-        .map_err(|error| bad_input(error.to_string()))?;
+        .run(|| progress::during("differentiating", differentiate))?
+        .map_err(bad_input)?;
     let Some(found) = found else {
         let step = arguments.step.unwrap_or(number.step);
+        let step = format!("{step} {}", unit(&number));
         return Err(bad_input(format!(
-            "{name} can neither be larger nor smaller by {step}{}: choose a smaller --step",
-            of_unit(&number)
+            "{name} can neither be larger nor smaller by {}: choose a smaller --step",
+            step.trim_end()
         )));
     };
     let bytes = match format {
@@ -178,33 +176,17 @@ fn notes(found: &Derivative, number: &Number, is_sampled: bool) -> Vec<String> {
 /// The mean of all channels and pixels, and its error, as if pixels were independent.
 fn mean_and_error(film: &Film) -> [f64; 2] {
     let count = (3 * film.radiance().len()) as f64;
-    let sum: f64 = film
-        .radiance()
-        .as_flattened()
-        .iter()
-        .map(|&value| f64::from(value))
-        .sum();
-    let variance: f64 = film.noise().map_or(0.0, |noise| {
-        noise
-            .variance()
-            .as_flattened()
-            .iter()
-            .map(|&value| f64::from(value))
-            .sum()
-    });
-    [sum / count, variance.sqrt() / count]
+    let sum = |pixels: &[[f32; 3]]| -> f64 {
+        let values = pixels.as_flattened().iter();
+        values.map(|&value| f64::from(value)).sum()
+    };
+    let variance = film.noise().map_or(0.0, |noise| sum(noise.variance()));
+    [sum(film.radiance()) / count, variance.sqrt() / count]
 }
 
 /// `world units`; empty for a share or a bare number.
 fn unit(number: &Number) -> &'static str {
     number.unit.unwrap_or("of itself")
-}
-
-fn of_unit(number: &Number) -> String {
-    match unit(number) {
-        "" => String::new(),
-        unit => format!(" {unit}"),
-    }
 }
 
 fn per_unit(number: &Number) -> String {
@@ -218,32 +200,22 @@ fn per_unit(number: &Number) -> String {
 fn listed(arguments: &Arguments, scene: &Scene) -> Result<Outcome, Failure> {
     let numbers = numbers(scene);
     let width = widest(numbers.iter().map(Number::name));
-    let mut text = String::new();
+    let (mut text, mut entries) = (String::new(), Vec::new());
     for number in &numbers {
+        let (name, words, unit) = (number.name(), number.words(), unit(number));
         let step = format!("{:.4}", number.step);
-        text.push_str(&format!(
-            "{:width$}  {}; step {}{}\n",
-            number.name(),
-            number.words(),
-            step.trim_end_matches('0').trim_end_matches('.'),
-            of_unit(number),
-        ));
+        let step = step.trim_end_matches('0').trim_end_matches('.');
+        let line = format!("{name:width$}  {words}; step {step} {unit}");
+        text.push_str(&format!("{}\n", line.trim_end()));
+        entries.push(json!({ "name": name, "words": words, "unit": unit, "step": number.step }));
     }
     if numbers.is_empty() {
         text.push_str("a plot has no parameters to differentiate by\n");
     }
-    let of = |number: &Number| {
-        json!({
-            "name": number.name(),
-            "words": number.words(),
-            "unit": unit(number),
-            "step": number.step,
-        })
-    };
     let value = json!({
         "schema": "volref/sensitivity/1",
         "scene": arguments.scene,
-        "numbers": numbers.iter().map(of).collect::<Vec<Value>>(),
+        "numbers": entries,
     });
     arguments.json.instead_of(text, &value).map(Outcome::from)
 }
@@ -251,19 +223,11 @@ fn listed(arguments: &Arguments, scene: &Scene) -> Result<Outcome, Failure> {
 fn of_all(arguments: &Arguments, scene: &Scene) -> Result<Outcome, Failure> {
     let path = arguments.output.as_deref().expect("checked by the parser");
     let start = Instant::now();
+    let (spp, pairs) = (arguments.spp, arguments.pairs);
+    let differentiate = || sensitivities_of(scene, spp, pairs, SEED_OF_SUITE, &|| false);
     let layered = arguments
         .threads
-        .run(|| {
-            progress::during("differentiating", || {
-                sensitivities_of(
-                    scene,
-                    arguments.spp,
-                    arguments.pairs,
-                    SEED_OF_SUITE,
-                    &|| false,
-                )
-            })
-        })?
+        .run(|| progress::during("differentiating", differentiate))?
         .map_err(bad_input)?;
     output::write(path, &layered.to_exr().map_err(bad_input)?)?;
     let text = format!(

@@ -1,6 +1,5 @@
 //! Selection of a suite and its scenes by the arguments of a command.
 
-use super::command_line::command_line_with;
 use super::embedded;
 use super::failure::{Exit, Failure};
 use crate::check::SUITE_VARIABLE;
@@ -118,15 +117,10 @@ pub fn named_scene(given: &Path) -> Result<NamedScene, Failure> {
         name: given.display().to_string(),
         exposure: None,
     });
-    let is_file_name = given
-        .extension()
-        .is_some_and(|extension| extension == "toml");
-    let Some(name) = given.to_str().filter(|_| !given.exists()) else {
+    let is_file = given.exists() || given.extension().is_some_and(|it| it == "toml");
+    let Some(name) = given.to_str().filter(|_| !is_file) else {
         return as_given;
     };
-    if is_file_name {
-        return case_of_missing_file(given).map_or(as_given, Err);
-    }
     let suite = here_or_embedded()?;
     let is_it = |case: &&Case| case.name == name || case.name.ends_with(&format!("/{name}"));
     let cases: Vec<&Case> = suite.cases().iter().filter(is_it).collect();
@@ -148,22 +142,6 @@ pub fn named_scene(given: &Path) -> Result<NamedScene, Failure> {
         }
         _ => as_given,
     }
-}
-
-/// The error of a scene file of the repository that is not here, where the suite has a case of it.
-fn case_of_missing_file(given: &Path) -> Option<Failure> {
-    let path = given.to_str()?.replace('\\', "/");
-    let (_, file) = path.rsplit_once("fixtures/scenes/")?;
-    let suite = here_or_embedded().ok()?;
-    let name = &suite.case(file.strip_suffix(".toml")?)?.name;
-    let place = match named_suite() {
-        Some(folder) => format!("in {}", folder.display()),
-        None => "within volref".to_owned(),
-    };
-    let message = format!("there is no file {}", given.display());
-    let again = command_line_with(|word| if word == given { name.into() } else { word });
-    let help = format!("the suite {place} has the case {name}: `{again}`");
-    Some(Failure::new(Exit::BadInput, message, Some(&help)))
 }
 
 /// True if the folder of the path exists.

@@ -5,7 +5,6 @@ use super::failure::{EXIT_CODES, Exit, Failure, bad_input, exit};
 use super::help::EXAMPLE_FIRST;
 use super::kept::{KeepArgument, NAME, keep, run_of, say_kept};
 use super::known::{KnownArgument, KnownFile};
-use super::output::check_not_golden;
 use super::partition::PartitionArgument;
 use super::renderer::{Command, RendererArguments};
 use super::results::{Findings, ResultFiles};
@@ -159,7 +158,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         .map(|case| with_promise(case, &arguments))
         .collect();
     let mut cases: Vec<&Case> = selected.iter().collect();
-    arguments.check_kept_images(&suite, &cases)?;
+    arguments.check_kept_images(&cases)?;
     let profile = arguments.profile.as_deref().map(Profile::named);
     let judge = Judge {
         profile: profile.transpose()?,
@@ -170,7 +169,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         arguments: &arguments,
     };
     // Now that the images to be judged are known as inputs.
-    arguments.check_results(&suite)?;
+    arguments.check_results()?;
     judge.ends_with_us();
 
     let to_keep = judge.results_to_keep(&cases)?;
@@ -255,14 +254,12 @@ fn with_promise(mut case: Case, arguments: &Arguments) -> Case {
 
 impl Arguments {
     /// Fails if images to be kept would replace goldens or inputs.
-    fn check_kept_images(&self, suite: &Suite, cases: &[&Case]) -> Result<(), Failure> {
+    fn check_kept_images(&self, cases: &[&Case]) -> Result<(), Failure> {
         let Some(folder) = &self.keep else {
             return Ok(());
         };
         for case in cases {
-            let path = image_path(folder, &case.name, &self.renderer.format);
-            check_not_golden(&path, suite)?;
-            output::check_no_input(&path)?;
+            output::check_no_input(&image_path(folder, &case.name, &self.renderer.format))?;
         }
         output::check_no_goldens_in(folder)
     }
@@ -302,14 +299,9 @@ impl Arguments {
     }
 
     /// Fails if results cannot be written; makes their folders.
-    fn check_results(&self, suite: &Suite) -> Result<(), Failure> {
-        self.files.check(suite)?;
-        if let Some(folder) = &self.ctest {
-            check_not_golden(folder, suite)?;
-            output::check_no_goldens_in(folder)?;
-            output::make_folder(folder)?;
-        }
-        Ok(())
+    fn check_results(&self) -> Result<(), Failure> {
+        self.files.check()?;
+        self.ctest.as_deref().map_or(Ok(()), output::make_folder)
     }
 
     /// Settings that verdicts depend on beside the suite, by name.

@@ -40,7 +40,7 @@ pub struct Arguments {
 /// Runs the command.
 pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let suite = arguments.selection.open()?;
-    arguments.files.check(&suite)?;
+    arguments.files.check()?;
     let mut cases = suite.select(&arguments.filters)?;
     let kept = &arguments.kept;
     let folder = kept.folder(&arguments.partition, &arguments.selection, &suite)?;

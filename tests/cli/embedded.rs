@@ -14,20 +14,6 @@ fn prints(run: &Run, parts: &[&str]) {
     }
 }
 
-/// A command that was copied from a clone says how it runs without one.
-#[test]
-fn the_scene_file_of_a_case_names_the_case() {
-    let folder = Folder::new();
-    let file = "fixtures/scenes/figures/figure-2.toml";
-    let run = folder.volref(&["render", file, "-o", "x y.png"]);
-    let again = "`volref render figures/figure-2 -o 'x y.png'`";
-    let case = "the suite within volref has the case figures/figure-2";
-    run.expect(2, &["there is no file fixtures/scenes", case, again]);
-    // A case that there is not is a file that there is not.
-    let run = folder.volref(&["plan", "fixtures/scenes/figures/figure-9.toml"]);
-    run.expect(2, "cannot read the scene");
-}
-
 /// The core set is that of the suite, in every folder.
 #[test]
 fn the_core_set_is_listed() {

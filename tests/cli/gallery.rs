@@ -4,7 +4,6 @@ use crate::folder::{Folder, Run};
 use crate::needs::tries;
 use std::fs;
 use std::path::Path;
-use volref::film::{Bits, Film};
 
 /// A suite with goldens, and the runs of three renderers: one right, one that forgets a shadow and has no words for
 /// curves, and one that failed.
@@ -183,39 +182,6 @@ fn biases_have_intervals() {
     assert!(bias.split('<').next().unwrap().contains(" ± "), "{bias}");
 }
 
-/// An image of 8 bits has a bias of up to half a code, which nobody can tell: it is said how much that is.
-#[test]
-fn bias_that_8_bits_hide_is_said() {
-    let folder = Folder::with_goldens();
-    let golden = folder.film("golden/smoke/plain.exr");
-    let linear = "8-linear".parse::<Bits>().unwrap().of_png(0.0);
-    // The largest of the channels, in percent.
-    let hides = |c: usize| {
-        let values = golden.radiance().iter().map(|pixel| f64::from(pixel[c]));
-        let mean = values.sum::<f64>() / golden.radiance().len() as f64;
-        if mean > 0.0 { 50.0 / 255.0 / mean } else { 0.0 }
-    };
-    let most = [0, 1, 2].map(hides).into_iter().fold(0.0, f64::max);
-    let cell = |film: &Film| {
-        folder.write_film("out/smoke/plain.exr", film);
-        folder.volref(
-            "validate plain --outputs out --explain 0 --bits 8-linear --json=out/results.json",
-        );
-        let run = gallery(&folder, &["out"]);
-        assert_eq!(run.code, 0, "{}", run.stderr);
-        cells(&folder.text("page.html"), "smoke/plain").remove(1)
-    };
-    let right = cell(&linear.rounded(&golden));
-    let said = format!("hidden by 8 bits: up to {most:.2} %");
-    assert!(right.contains(&format!("bias {said}")), "{said}: {right}");
-    // Beside a bias that shows.
-    let pixels = golden.radiance().iter();
-    let bright = pixels.map(|pixel| pixel.map(|value| 1.2 * value)).collect();
-    let bright = Film::new(golden.width(), golden.height(), bright);
-    let off = cell(&linear.rounded(&bright));
-    assert!(off.contains(&format!(" %; {said}")), "{said}: {off}");
-}
-
 #[test]
 fn what_is_no_run_is_told() {
     let folder = with_runs();
@@ -265,7 +231,6 @@ fn what_is_no_run_is_told() {
     }
     for (output, part) in [
         ("right/results.json", "it is an input"),
-        ("golden/page.html", "folder of the goldens"),
         ("nowhere/page.html", "its folder does not exist"),
     ] {
         let run = folder.volref(&["gallery", "right", "-o", output]);

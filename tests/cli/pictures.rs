@@ -211,30 +211,6 @@ fn points_with_a_range_are_positions_in_it() {
 }
 
 #[test]
-fn all_opaque_and_all_transparent_are_noted() {
-    let folder = with_scan();
-    let scene = |length: &str| {
-        format!(
-            "[film]\nwidth = 12\nheight = 12\n[transfer_function]\nreference_length = {length}\n\
-             point = [{{ value = 0, colour = 1, opacity = 0.5 }}]\n\
-             [classified.volume]\nfile = \"scan.nrrd\"\n"
-        )
-    };
-    for (length, what) in [
-        ("0.1", "note: the whole volume is opaque"),
-        ("1e6", "note: the whole volume is transparent"),
-    ] {
-        folder.write("s.toml", scene(length));
-        folder
-            .volref("render s.toml -o s.exr")
-            .prints(0, &[what, "`reference_length`", "`range`"]);
-    }
-    folder.write("s.toml", scene("10"));
-    let run = folder.volref("render s.toml -o s.exr");
-    assert!(!run.stdout.contains("the whole volume"), "{}", run.stdout);
-}
-
-#[test]
 fn a_camera_around_the_volume() {
     let folder = with_scan();
     let scene = |camera: &str| {

@@ -217,13 +217,12 @@ fn what_is_not_seen() {
         (
             "mode = \"isosurface\"\nisosurface = [{ value = 2, colour = 1 }]\nstep = 9",
             "",
-            "the image is black: no two neighbouring samples of a ray have a value that is shown between them; those of \
-             the volume go from 1 to 3",
+            "the image is black: no value that is shown and met has a colour; those of the volume go from 1 to 3",
         ),
         (
             "mode = \"mean\"\nwindow = { low = 3, high = 4 }",
             "all is black: the window begins at 3, and the values of the volume go from 1 to 3",
-            "the image is black: no value that is shown has a colour; those of the volume go from 1 to 3",
+            "the image is black: no value that is shown and met has a colour; those of the volume go from 1 to 3",
         ),
         (
             "mode = \"maximum\"\nwindow = { low = -1, high = 0 }",

@@ -388,10 +388,7 @@ fn usage() {
             &["--serve", "r", "--decide", "--format", "png"],
             "--decide needs linear radiance",
         ),
-        (
-            &["--serve", "r", "--keep", "golden"],
-            "folder of the goldens",
-        ),
+        (&["--serve", "r", "--keep", "golden"], "is an input"),
     ] {
         let run = folder.volref(&[&["validate"], arguments].concat());
         assert_eq!(run.code, 2, "{arguments:?}: {}", run.stderr);

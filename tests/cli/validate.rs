@@ -531,10 +531,6 @@ fn usage() {
             &["validate", "--run", "r {output}", "--timeout", "-1"],
             "positive number of seconds",
         ),
-        (
-            &["validate", "--outputs", "out", "--junit", "golden/x.xml"],
-            "in the folder of the goldens",
-        ),
     ] {
         let run = folder.volref(arguments);
         assert_eq!(run.code, 2, "{arguments:?}: {}", run.stdout);
