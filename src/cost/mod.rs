@@ -12,7 +12,7 @@ pub mod order;
 mod parameter;
 mod reference;
 mod sweep;
-pub mod thumbnail;
+mod thumbnail;
 pub mod timing;
 mod work;
 

@@ -17,8 +17,8 @@ pub struct Norms {
     pub uncertainty: f64,
 }
 
-/// Norms of `errors`, in units of `scale > 0`. All are infinite if an error is NaN, or if there are
-/// none.
+/// Norms of `errors` of three channels, pixel by pixel, in units of `scale > 0`. All are infinite if an error is NaN, or if
+/// there are none. Errors of the channels of a pixel are correlated: there are fewer independent errors than numbers.
 pub fn norms(errors: impl Iterator<Item = f64>, scale: f64) -> Norms {
     let (mut absolute, mut squares, mut fourths) = (Sum::default(), Sum::default(), Sum::default());
     let (mut largest, mut count) = (0.0_f64, 0.0_f64);
@@ -50,24 +50,10 @@ pub fn norms(errors: impl Iterator<Item = f64>, scale: f64) -> Norms {
         l2: (squares.value() / count).sqrt() / scale,
         max: largest / scale,
         uncertainty: if mean > 0.0 {
-            0.5 * (spread / count).sqrt() / mean
+            0.5 * (3.0 * spread / count).sqrt() / mean
         } else {
             0.0
         },
-    }
-}
-
-/// [`norms`] where consecutive errors, those of the channels of a pixel, are correlated: there are
-/// fewer independent errors than numbers.
-pub(crate) fn norms_of_channels(
-    errors: impl Iterator<Item = f64>,
-    scale: f64,
-    channels: usize,
-) -> Norms {
-    let norms = norms(errors, scale);
-    Norms {
-        uncertainty: norms.uncertainty * (channels.max(1) as f64).sqrt(),
-        ..norms
     }
 }
 

@@ -30,8 +30,6 @@ pub struct ConvergenceOrder {
     /// Order by least squares through the logarithms of the root mean square errors that are
     /// counted.
     pub fitted: Option<f64>,
-    /// Order of the largest errors, likewise.
-    pub fitted_max: Option<f64>,
     /// Order of the root mean square error from each setting to the next.
     pub local: Vec<Option<f64>>,
     /// Largest distance of `fitted` from `expected`.
@@ -104,39 +102,29 @@ pub fn order(
     expected: ExpectedOrder,
     bound: f64,
 ) -> ConvergenceOrder {
-    let points_of = |size: fn(&Norms) -> f64| -> Vec<ErrorPoint> {
-        let all = values.iter().zip(errors);
-        let points = all.map(|(&value, norms)| ErrorPoint {
-            value,
-            error: size(norms),
-            uncertainty: norms.uncertainty,
-        });
-        points.collect()
-    };
+    let points = values.iter().zip(errors);
+    let points = points.map(|(&value, norms)| ErrorPoint {
+        value,
+        error: norms.l2,
+        uncertainty: norms.uncertainty,
+    });
+    let mut points: Vec<ErrorPoint> = points.collect();
     let (floor, ceiling) = if expected.by_chance {
         (ABOVE_THE_NOISE * bound, f64::INFINITY)
     } else {
         (ABOVE_THE_BOUND * bound, COARSE)
     };
-    let counting = |mut points: Vec<ErrorPoint>| {
-        points.retain(|point| point.error > floor && point.error < ceiling);
-        if !expected.by_chance && points.len() > MOST {
-            points.drain(..points.len() - MOST);
-        }
-        points
-    };
-    let fit = |points: &[ErrorPoint]| match points.len() {
-        0..FEWEST => None,
-        _ => line(points),
-    };
-    let all = points_of(|norms| norms.l2);
-    let local = all.windows(2).map(|pair| {
+    let local = points.windows(2).map(|pair| {
         let line = line(pair).filter(|_| pair[1].error > bound)?;
         Some(line.slope)
     });
     let local = local.collect();
-    let points = counting(all);
-    let line_of_all = fit(&points);
+    points.retain(|point| point.error > floor && point.error < ceiling);
+    if !expected.by_chance && points.len() > MOST {
+        points.drain(..points.len() - MOST);
+    }
+    let enough = Some(&points).filter(|points| points.len() >= FEWEST);
+    let line_of_all = enough.and_then(|points| line(points));
     let fitted = line_of_all.map(|line| line.slope);
     let uncertainty = line_of_all.map_or(0.0, |line| line.uncertainty);
     let doubt = expected.tolerance + 2.0 * uncertainty;
@@ -164,7 +152,6 @@ pub fn order(
         expected: expected.order,
         known: floor,
         fitted,
-        fitted_max: fit(&counting(points_of(|norms| norms.max))).map(|line| line.slope),
         local,
         tolerance: expected.tolerance,
         uncertainty,
@@ -234,7 +221,6 @@ mod tests {
         let (steps, errors) = sweep(|h| 0.05 * h * h);
         let found = order(&steps, &errors, ExpectedOrder::of_step(2.0), 1e-12);
         assert!((found.fitted.unwrap() - 2.0).abs() < 1e-12);
-        assert!((found.fitted_max.unwrap() - 2.0).abs() < 1e-12);
         assert_eq!(found.verdict, OrderVerdict::AsExpected);
         let found = order(&steps, &errors, ExpectedOrder::of_step(1.0), 1e-12);
         assert_eq!(found.verdict, OrderVerdict::Otherwise);

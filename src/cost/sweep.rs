@@ -1,12 +1,13 @@
 //! Sweeps of a parameter: every setting is tried once for its error and its work, then all are timed
 //! by turns.
 
-use super::norms::{Norms, norms_of_channels};
+use super::norms::{Norms, norms};
 use super::order::{ConvergenceOrder, ExpectedOrder, order};
 use super::reference::{Truth, values};
+use super::thumbnail::thumbnail;
 use super::timing::{Clock, Times};
 use super::work::measured;
-use super::{CostError, MeanWork, Parameter, Reference, effects, thumbnail};
+use super::{CostError, MeanWork, Parameter, Reference, effects};
 use crate::optics::Appearance;
 use crate::render::Plan;
 use crate::scene::{Classified, Conventions, Mode, Model, Panel, Scene};
@@ -73,12 +74,6 @@ pub(super) struct Planned {
 /// The sweeps that say what accuracy costs in `panel`; none of a scene without parameters. The first one has the
 /// advice.
 pub(super) fn planned(panel: &Panel) -> Vec<Planned> {
-    let small = |model: Model, side: usize| {
-        Panel::of(
-            model,
-            thumbnail::thumbnail([panel.width, panel.height], side),
-        )
-    };
     match &panel.model {
         Model::Classified(scene) => {
             let side = match scene.shadow {
@@ -87,7 +82,7 @@ pub(super) fn planned(panel: &Panel) -> Vec<Planned> {
             };
             let of = |name, scene: &Classified, side, parameter| Planned {
                 name,
-                panel: small(Model::from(scene.clone()), side),
+                panel: thumbnail(panel, Model::from(scene.clone()), side),
                 parameter,
                 settings: &STEPS,
                 expected: expected(scene),
@@ -104,7 +99,7 @@ pub(super) fn planned(panel: &Panel) -> Vec<Planned> {
         }
         Model::Radiative(_) if Plan::new(panel).is_sampled() => vec![Planned {
             name: "samples",
-            panel: small(panel.model.clone(), SIDE_SAMPLED),
+            panel: thumbnail(panel, panel.model.clone(), SIDE_SAMPLED),
             parameter: Parameter::Samples,
             settings: &SAMPLES,
             expected: ExpectedOrder::OF_SAMPLES,
@@ -157,7 +152,7 @@ impl Planned {
                     setting: parameter.words(value),
                     value,
                     work: image.work,
-                    error: norms_of_channels(errors, truth.scale, 3),
+                    error: norms(errors, truth.scale),
                     time: image.time,
                 }
             });

@@ -18,10 +18,6 @@ pub struct Times {
     pub min: f64,
     /// Most.
     pub max: f64,
-    /// Median of the distances from the median.
-    pub deviation: f64,
-    /// Runs outside of 1.5 interquartile ranges around the quartiles.
-    pub outliers: usize,
     /// True if the coefficient of variation is above 5 %.
     pub is_noisy: bool,
 }
@@ -110,32 +106,16 @@ pub fn summary(runs: &[f64]) -> Option<Times> {
     }
     let mut sorted = runs.to_vec();
     sorted.sort_unstable_by(f64::total_cmp);
-    let median = quantile(&sorted, 0.5);
-    let mut distances: Vec<f64> = sorted.iter().map(|run| (run - median).abs()).collect();
-    distances.sort_unstable_by(f64::total_cmp);
-    let [low, high] = [0.25, 0.75].map(|share| quantile(&sorted, share));
-    let fence = 1.5 * (high - low);
-    let is_outlier = |run: &&f64| **run < low - fence || **run > high + fence;
     let count = runs.len() as f64;
     let mean = runs.iter().sum::<f64>() / count;
     let squares: f64 = runs.iter().map(|run| (run - mean) * (run - mean)).sum();
     Some(Times {
         runs: runs.len(),
-        median,
+        median: 0.5 * (sorted[(sorted.len() - 1) / 2] + sorted[sorted.len() / 2]),
         min: sorted[0],
         max: sorted[sorted.len() - 1],
-        deviation: quantile(&distances, 0.5),
-        outliers: sorted.iter().filter(is_outlier).count(),
         is_noisy: (squares / (count - 1.0)).sqrt() > 0.05 * mean,
     })
-}
-
-/// The value below which a `share` of the `sorted` numbers lies, by straight lines between them.
-fn quantile(sorted: &[f64], share: f64) -> f64 {
-    let rank = share * (sorted.len() - 1) as f64;
-    let index = rank as usize;
-    let next = (index + 1).min(sorted.len() - 1);
-    sorted[index] + (sorted[next] - sorted[index]) * (rank - index as f64)
 }
 
 impl Machine {
@@ -175,10 +155,9 @@ mod tests {
     use std::sync::Mutex;
 
     #[test]
-    fn median_spread_and_outliers() {
+    fn median_and_spread() {
         let times = summary(&[3.0, 1.0, 2.0, 4.0, 100.0]).unwrap();
         assert_eq!((times.median, times.min, times.max), (3.0, 1.0, 100.0));
-        assert_eq!((times.deviation, times.outliers), (1.0, 1));
         assert!(times.is_noisy);
         assert!(!summary(&[1.0, 1.01, 0.99]).unwrap().is_noisy);
         assert_eq!(summary(&[1.0]), None);

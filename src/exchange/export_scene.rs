@@ -1,20 +1,18 @@
 //! A radiative scene, prepared for export.
 
 use super::forms::{self, Form};
-use super::nested_media::{BoundarySurface, NestedMedia};
+use super::nested_media::{ExportSurface, NestedMedia, SurfaceKind};
 use super::refusal::Faults;
 use super::view::{ExportView, is_parallel};
 use crate::geometry::{Aabb, ClosedMesh, Emitter, Mesh, Ray, Shape, Side, Surface};
 use crate::optics::{Light, Material};
-use crate::scene::{AreaLight, Object, Panel, Radiative};
+use crate::scene::{Object, Panel, Radiative};
 use glam::DVec3;
 
 /// Everything of a scene, by its coordinates, with the names that messages use.
 pub(super) struct ExportScene<'s> {
-    /// Surfaces that reflect or refract, and what they do to light.
-    pub objects: Vec<(String, Form, Material)>,
-    /// Surfaces that emit light.
-    pub area_lights: Vec<(String, Form, &'s AreaLight)>,
+    /// Surfaces: those that reflect or refract, then those that emit light.
+    pub surfaces: Vec<ExportSurface<'s>>,
     /// Media.
     pub nested_media: NestedMedia<'s>,
     /// The eye.
@@ -48,23 +46,28 @@ impl<'s> ExportScene<'s> {
         ]
         .map(|key| scene.camera.ray_through(key, size));
         let [objects, lights] = names(panel, scene);
-        let objects: Vec<_> = (scene.objects.iter().zip(objects))
-            .map(|(object, key)| (key, Form::of(forms::shape(&object.shape)), object.material))
-            .collect();
-        let area_lights: Vec<_> = (scene.area_lights.iter().zip(lights))
-            .map(|(light, key)| (key, Form::of(forms::luminous(&light.shape)), light))
-            .collect();
-        for ((key, _, _), object) in objects.iter().zip(&scene.objects) {
+        for (key, object) in objects.iter().zip(&scene.objects) {
             if let Err(what) = check_glass(object, scene, &sight) {
                 faults.add(key, what);
             }
         }
-        let forms = objects.iter().map(|(_, form, _)| form);
-        let forms = forms.chain(area_lights.iter().map(|(_, form, _)| form));
+        let objects = scene.objects.iter().zip(objects);
+        let objects = objects.map(|(object, key)| ExportSurface {
+            key,
+            form: Form::of(forms::shape(&object.shape)),
+            kind: SurfaceKind::Material(object.material),
+        });
+        let lights = scene.area_lights.iter().zip(lights);
+        let lights = lights.map(|(light, key)| ExportSurface {
+            key,
+            form: Form::of(forms::luminous(&light.shape)),
+            kind: SurfaceKind::Light(light),
+        });
+        let surfaces: Vec<ExportSurface<'s>> = objects.chain(lights).collect();
         let bodies = scene.media.iter().filter_map(|body| body.boundary.as_ref());
         let positions = scene.lights.iter().filter_map(Light::position);
+        let forms = surfaces.iter().map(|surface| surface.form.reach());
         let reach = forms
-            .map(Form::reach)
             .chain(bodies.map(|boundary| boundary.bounds().reach()))
             .chain(positions.map(|position| position.abs().max_element()))
             .fold(view.eye.abs().max_element(), f64::max)
@@ -77,28 +80,9 @@ impl<'s> ExportScene<'s> {
             );
             faults.add("radiative", what);
         }
-        let surface = |key: &String, form: &Form, object, is_clear: bool| BoundarySurface {
-            key: key.clone(),
-            form: form.clone(),
-            opaque: !is_clear && !matches!(form, Form::Mesh { .. }),
-            object,
-        };
-        let surfaces = objects.iter().enumerate();
-        let surfaces = surfaces.map(|(object, (key, form, material))| {
-            surface(
-                key,
-                form,
-                Some(object),
-                matches!(material, Material::Glass(_)),
-            )
-        });
-        let lamps = area_lights.iter();
-        let lamps = lamps.map(|(key, form, _)| surface(key, form, None, false));
-        let surfaces: Vec<BoundarySurface> = surfaces.chain(lamps).collect();
         let nested_media = NestedMedia::of(scene, &surfaces, &sight, reach, gap(reach), faults);
         ExportScene {
-            objects,
-            area_lights,
+            surfaces,
             nested_media,
             view,
             reach,

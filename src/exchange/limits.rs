@@ -55,11 +55,8 @@ pub(super) fn check(export: &ExportScene, faults: &mut Faults) {
             faults.add(key, what);
         }
     };
-    for (key, form, _) in &export.objects {
-        extent(key, form);
-    }
-    for (key, form, _) in &export.area_lights {
-        extent(key, form);
+    for surface in &export.surfaces {
+        extent(&surface.key, &surface.form);
     }
     let list = &export.nested_media.list;
     for nested in list.iter().filter(|nested| nested.interface.is_none()) {

@@ -21,7 +21,7 @@ use super::export_scene::ExportScene;
 use super::files::{Meshes, vol};
 use super::forms::Form;
 use super::mixture::Mixture;
-use super::nested_media::{NestedMedium, PlacedGrid, key_of};
+use super::nested_media::{ExportSurface, NestedMedium, PlacedGrid, SurfaceKind, key_of};
 use super::refusal::Faults;
 use super::view::{ahead, degrees};
 use super::{Export, Format, Refusal};
@@ -326,14 +326,18 @@ impl MitsubaWriter<'_> {
     }
 
     fn surfaces(&mut self, export: &ExportScene) {
-        for (index, (key, form, material)) in export.objects.iter().enumerate() {
-            let mut parts = vec![bsdf(material)];
-            if let Some(at) = export.nested_media.with_interface(index) {
-                parts.extend(sides(export, at));
-            }
-            self.form(key, form, parts);
-        }
-        for (key, form, light) in &export.area_lights {
+        for (index, ExportSurface { key, form, kind }) in export.surfaces.iter().enumerate() {
+            let light = match kind {
+                SurfaceKind::Light(light) => light,
+                SurfaceKind::Material(material) => {
+                    let mut parts = vec![bsdf(material)];
+                    if let Some(at) = export.nested_media.with_interface(index) {
+                        parts.extend(sides(export, at));
+                    }
+                    self.form(key, form, parts);
+                    continue;
+                }
+            };
             let black = bsdf(&Material::Diffuse(DVec3::ZERO));
             let radiance = rgb("radiance", light.radiance);
             let shine = element(2, "emitter", "area", "", &[radiance]);

@@ -10,8 +10,8 @@ use super::mixture::Mixture;
 use super::refusal::Faults;
 use super::view::is_parallel;
 use crate::geometry::{Aabb, Boundary, Ray, Solid, Surface, Transform};
-use crate::optics::{Field, Homogeneous};
-use crate::scene::{Body, Radiative};
+use crate::optics::{Field, Homogeneous, Material};
+use crate::scene::{AreaLight, Body, Radiative};
 use crate::volume::GridDensity;
 use glam::DVec3;
 
@@ -29,7 +29,7 @@ pub(super) struct NestedMedium<'s> {
     pub form: Form,
     /// Whether faces of the boundary were moved behind the surfaces that they lay in.
     pub moved: bool,
-    /// The scene's object that has the same shape: the boundary is its surface.
+    /// The surface that has the same shape, by its place in the list: the boundary is that surface.
     pub interface: Option<usize>,
     /// The medium at density 1.
     pub medium: Homogeneous,
@@ -47,16 +47,25 @@ pub(super) struct PlacedGrid<'s> {
     pub to_world: Transform,
 }
 
-/// A surface that a boundary may touch.
-pub(super) struct BoundarySurface {
-    /// Its name in the scene.
+/// A surface with its name in the scene.
+pub(super) struct ExportSurface<'s> {
     pub key: String,
-    /// Its shape.
     pub form: Form,
+    pub kind: SurfaceKind<'s>,
+}
+
+/// What a surface does to light.
+pub(super) enum SurfaceKind<'s> {
+    Material(Material),
+    Light(&'s AreaLight),
+}
+
+impl ExportSurface<'_> {
     /// Whether nobody can look behind it.
-    pub opaque: bool,
-    /// Index of the object in the scene; `None` for a light.
-    pub object: Option<usize>,
+    pub(super) fn is_opaque(&self) -> bool {
+        let is_clear = matches!(self.kind, SurfaceKind::Material(Material::Glass(_)));
+        !is_clear && !matches!(self.form, Form::Mesh { .. })
+    }
 }
 
 /// All media of a scene.
@@ -73,7 +82,7 @@ impl<'s> NestedMedia<'s> {
     /// the distance `gap` from each other and from surfaces. What cannot be said goes to `faults`.
     pub(super) fn of(
         scene: &'s Radiative,
-        surfaces: &[BoundarySurface],
+        surfaces: &[ExportSurface],
         sight: &[Ray],
         reach: f64,
         gap: f64,
@@ -125,10 +134,10 @@ impl<'s> NestedMedia<'s> {
         Mixture::of(layers.map(|at| &self.list[at].medium))
     }
 
-    /// The nested medium whose boundary is the surface of one of the scene's objects.
-    pub(super) fn with_interface(&self, object: usize) -> Option<usize> {
+    /// The nested medium whose boundary is the surface of this place in the list.
+    pub(super) fn with_interface(&self, surface: usize) -> Option<usize> {
         let mut list = self.list.iter();
-        list.position(|nested| nested.interface == Some(object))
+        list.position(|nested| nested.interface == Some(surface))
     }
 
     /// A note on the faces of boundaries that were moved by `offset`, if any were.
@@ -205,10 +214,13 @@ fn nested_medium<'s>(
         placed = Some(PlacedGrid { density, to_world });
     }
     let mut surfaces = contacts.surfaces.iter();
-    let interface = surfaces.find(|surface| surface.form == form);
-    if let Some(BoundarySurface {
-        object: None, key, ..
-    }) = interface
+    let interface = surfaces.position(|surface| surface.form == form);
+    if let Some(at) = interface
+        && let ExportSurface {
+            key,
+            kind: SurfaceKind::Light(_),
+            ..
+        } = &contacts.surfaces[at]
     {
         return Err(format!("its boundary is the surface of a light, {key}"));
     }
@@ -222,7 +234,7 @@ fn nested_medium<'s>(
         index,
         form,
         moved,
-        interface: interface.and_then(|surface| surface.object),
+        interface,
         medium,
         grid: placed,
         parent: None,
@@ -275,7 +287,7 @@ fn behind(form: &mut Form, touched: &[bool], offset: f64) {
 
 /// Contacts of boundaries and surfaces.
 struct Contacts<'w> {
-    surfaces: &'w [BoundarySurface],
+    surfaces: &'w [ExportSurface<'w>],
     gap: f64,
     same: f64,
 }
@@ -298,7 +310,7 @@ impl Contacts<'_> {
                 for piece in surface.form.faces() {
                     match self.meet(&face, &piece) {
                         Meeting::No => {}
-                        Meeting::Covered if is_box && surface.opaque => covered = true,
+                        Meeting::Covered if is_box && surface.is_opaque() => covered = true,
                         Meeting::Covered | Meeting::Partly => partly = Some(surface),
                     }
                 }
@@ -324,7 +336,7 @@ impl Contacts<'_> {
         if high - low > self.same || low < -self.same || high > self.gap {
             return Meeting::No;
         }
-        if !overlap(face, piece, normal, self.same) {
+        if !may_overlap(face, piece, self.same) {
             return Meeting::No;
         }
         let in_plane = high <= self.same;
@@ -343,18 +355,11 @@ enum Meeting {
     Covered,
 }
 
-/// Whether two convex polygons in planes with this normal overlap by more than `tolerance`,
-/// seen along the normal: separating axes.
-fn overlap(a: &[DVec3], b: &[DVec3], normal: DVec3, tolerance: f64) -> bool {
-    let sides = |polygon: &[DVec3]| -> Vec<DVec3> {
-        let next = |at: usize| polygon[(at + 1) % polygon.len()];
-        (0..polygon.len())
-            .map(|at| (next(at) - polygon[at]).cross(normal).normalize())
-            .collect()
-    };
-    let mut axes = sides(a).into_iter().chain(sides(b));
-    axes.all(|axis| {
-        let ([low, high], [other_low, other_high]) = (extent(a, axis), extent(b, axis));
+/// Whether a polygon in the plane of `face` overlaps it by more than `tolerance`, as far as two edges of the face tell.
+fn may_overlap(face: &[DVec3], other: &[DVec3], tolerance: f64) -> bool {
+    [face[1], face[face.len() - 1]].iter().all(|corner| {
+        let axis = (corner - face[0]).normalize();
+        let ([low, high], [other_low, other_high]) = (extent(face, axis), extent(other, axis));
         low + tolerance < other_high && other_low + tolerance < high
     })
 }
@@ -439,35 +444,12 @@ fn lies_in(inner: &Form, outer: &Form, gap: f64) -> bool {
     }
 }
 
-/// Whether a plane parts two forms, or the boxes around them, by more than `gap`.
+/// Whether the boxes around two forms, along the axes of the world, are apart by more than `gap`.
 fn apart(a: &Form, b: &Form, gap: f64) -> bool {
-    if let (
-        Form::Sphere { centre, radius },
-        Form::Sphere {
-            centre: other,
-            radius: other_radius,
-        },
-    ) = (a, b)
-    {
-        return centre.distance(*other) > radius + other_radius + gap;
-    }
-    let (first, second) = (frame(a), frame(b));
-    let crossed = first
-        .iter()
-        .flat_map(|u| second.iter().map(move |v| u.cross(*v)));
-    let axes = first.iter().chain(&second).copied().chain(crossed);
-    axes.filter_map(DVec3::try_normalize).any(|axis| {
+    DVec3::AXES.into_iter().any(|axis| {
         let ([low, high], [other_low, other_high]) = (extent_of(a, axis), extent_of(b, axis));
         other_low > high + gap || low > other_high + gap
     })
-}
-
-/// Directions of the edges of a box around a form.
-fn frame(form: &Form) -> [DVec3; 3] {
-    match form {
-        Form::Box { edges, .. } => *edges,
-        _ => [DVec3::X, DVec3::Y, DVec3::Z],
-    }
 }
 
 /// Smallest and largest coordinate of a form along an axis of length 1.

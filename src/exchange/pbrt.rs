@@ -39,7 +39,7 @@ use super::files::Meshes;
 use super::forms::Form;
 use super::limits;
 use super::mixture::Mixture;
-use super::nested_media::{NestedMedium, PlacedGrid, key_of};
+use super::nested_media::{ExportSurface, NestedMedium, PlacedGrid, SurfaceKind, key_of};
 use super::refusal::Faults;
 use super::view::{ahead, degrees};
 use super::{Export, Format, Refusal};
@@ -105,8 +105,8 @@ pub(super) fn scene(panel: &Panel, scene: &Radiative, name: &str) -> Result<Expo
         writer.options(panel, scene, &export, &file);
         writer.media(&export);
         writer.line("\nWorldBegin\nMediumInterface \"\" \"\"\n");
-        let mut materials = export.objects.iter().map(|(_, _, material)| material);
-        if materials.any(|material| matches!(material, Material::Mirror(_))) {
+        let mut objects = scene.objects.iter();
+        if objects.any(|object| matches!(object.material, Material::Mirror(_))) {
             writer.line(MIRROR);
         }
         for light in &scene.lights {
@@ -227,13 +227,10 @@ impl ScatteringOrders {
 
 /// Every colour of a scene.
 fn colours<'s>(scene: &'s Radiative, export: &'s ExportScene) -> impl Iterator<Item = DVec3> + 's {
-    let materials = export
-        .objects
-        .iter()
-        .filter_map(|(_, _, material)| match material {
-            Material::Diffuse(reflectance) | Material::Mirror(reflectance) => Some(*reflectance),
-            Material::Glass(_) => None,
-        });
+    let materials = scene.objects.iter().filter_map(|it| match it.material {
+        Material::Diffuse(reflectance) | Material::Mirror(reflectance) => Some(reflectance),
+        Material::Glass(_) => None,
+    });
     let media = export.nested_media.list.iter().flat_map(|nested| {
         let coefficients = &nested.medium.coefficients;
         let emission = nested.medium.emission;
@@ -462,22 +459,22 @@ impl PbrtWriter<'_, '_> {
                 self.form(&nested.form);
             }
         }
-        for (index, (key, form, material)) in export.objects.iter().enumerate() {
+        for (index, ExportSurface { key, form, kind }) in export.surfaces.iter().enumerate() {
             self.begin(key);
-            self.material(material);
+            match kind {
+                SurfaceKind::Material(material) => self.material(material),
+                SurfaceKind::Light(light) => {
+                    self.material(&Material::Diffuse(DVec3::ZERO));
+                    let radiance = self.rgb("L", light.radiance);
+                    let both = light.sides == Sides::Both;
+                    self.line(&format!(
+                        "    AreaLightSource \"diffuse\" {radiance} \"bool twosided\" [ {both} ]"
+                    ));
+                }
+            }
             if let Some(at) = export.nested_media.with_interface(index) {
                 self.sides(list, at);
             }
-            self.form(form);
-        }
-        for (key, form, light) in &export.area_lights {
-            self.begin(key);
-            self.material(&Material::Diffuse(DVec3::ZERO));
-            let radiance = self.rgb("L", light.radiance);
-            let both = light.sides == Sides::Both;
-            self.line(&format!(
-                "    AreaLightSource \"diffuse\" {radiance} \"bool twosided\" [ {both} ]"
-            ));
             self.form(form);
         }
     }

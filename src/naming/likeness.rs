@@ -46,7 +46,7 @@ const OF_OPACITY_ALONE: &str = "the colours are right: the difference is in opac
 const MOST_NAMED: usize = 5;
 
 /// Results of a search for mistakes.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default)]
 pub struct Likenesses {
     /// Likely mistakes, most likely first.
     pub likely: Vec<Likeness>,
@@ -54,33 +54,12 @@ pub struct Likenesses {
     pub searched: usize,
     /// Searches that were ended before they were done.
     pub unfinished: Vec<SearchStep>,
-    /// Cases that no mistake explains.
-    pub unexplained: Vec<Unexplained>,
+    /// Results of cases that no mistake explains.
+    pub unexplained: Vec<CaseResult>,
     /// Names of cases whose search for conventions ended at the limit of its work.
     pub with_open_conventions: Vec<String>,
     /// True if the images were judged by a profile, so that no other conventions were looked for.
     pub under_a_profile: bool,
-}
-
-/// A case that no mistake explains.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Unexplained {
-    /// Its name.
-    pub case: String,
-    /// What was measured of the difference: sentences.
-    pub said: Vec<String>,
-    /// The scene, rendered with the change of parameters that they state, agrees with the image.
-    pub change_agrees: bool,
-}
-
-impl Unexplained {
-    fn of(result: &CaseResult) -> Unexplained {
-        Unexplained {
-            case: result.name.clone(),
-            said: result.difference.clone(),
-            change_agrees: result.change_agrees,
-        }
-    }
 }
 
 impl Likenesses {
@@ -92,7 +71,7 @@ impl Likenesses {
         Likenesses {
             likely: likely(results.iter()),
             searched: searched.count(),
-            unexplained: unexplained.map(Unexplained::of).collect(),
+            unexplained: unexplained.cloned().collect(),
             ..Likenesses::default()
         }
     }
@@ -100,10 +79,10 @@ impl Likenesses {
     /// Words on `case`, or on all, that nothing known explains.
     pub(crate) fn nothing_known(&self, case: Option<&str>) -> &'static str {
         let mut open = self.with_open_conventions.iter();
-        let is_asked = |it: &&Unexplained| case.is_none_or(|case| case == it.case);
+        let is_asked = |it: &&CaseResult| case.is_none_or(|case| case == it.name);
         let mut asked = self.unexplained.iter().filter(is_asked).peekable();
-        if asked.peek().is_some() && asked.all(|it| it.said.iter().any(|said| said == UNDECIDABLE))
-        {
+        let is_undecidable = |it: &CaseResult| it.difference.iter().any(|it| it == UNDECIDABLE);
+        if asked.peek().is_some() && asked.all(is_undecidable) {
             "noise leaves the cause open"
         } else if self.under_a_profile {
             "no known mistake explains it under this profile"
@@ -204,7 +183,7 @@ pub fn likeness(
             result.difference = measured(failed, fit, close.get(&failed.index));
             // A simple map that explains all is in the verdict.
             if failed.simple.is_none() || !result.difference.is_empty() {
-                unexplained.push(Unexplained::of(result));
+                unexplained.push(result.clone());
             }
         } else if fit.agrees {
             // Noise leaves both possible.

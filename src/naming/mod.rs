@@ -5,4 +5,4 @@ pub(crate) mod likeness;
 mod shipped_profile;
 
 pub use convention_search::{ConventionSearch, Explained};
-pub use likeness::{Likenesses, Predictions, Search, SearchStep, Stage, Unexplained, likeness};
+pub use likeness::{Likenesses, Predictions, Search, SearchStep, Stage, likeness};

@@ -27,11 +27,8 @@ impl Light {
 
     /// Intensity or irradiance, by channel, where the light is brightest.
     pub fn strength(&self) -> DVec3 {
-        match self {
-            Light::Point(light) => light.intensity,
-            Light::Spot(light) => light.intensity,
-            Light::Directional(light) => light.irradiance,
-        }
+        let mut light = *self;
+        *light.strength_mut()
     }
 
     /// The same, to be changed.
@@ -46,14 +43,11 @@ impl Light {
     /// Intensity towards `point` by channel, per steradian; irradiance for a light infinitely far
     /// away.
     pub(crate) fn strength_towards(&self, point: DVec3) -> DVec3 {
-        match self {
-            Light::Point(light) => light.intensity,
-            Light::Spot(light) => {
-                let towards = Direction::of(point - light.position);
-                light.intensity * towards.map_or(0.0, |towards| light.falloff(towards))
-            }
-            Light::Directional(light) => light.irradiance,
-        }
+        let Light::Spot(light) = self else {
+            return self.strength();
+        };
+        let towards = Direction::of(point - light.position);
+        light.intensity * towards.map_or(0.0, |towards| light.falloff(towards))
     }
 }
 

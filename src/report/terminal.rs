@@ -2,7 +2,7 @@
 
 use crate::conventions::Profile;
 use crate::judging::{CaseResult, JudgedWith, KnownStatus, Verdict, is_declared};
-use crate::naming::{Likenesses, SearchStep, Stage, Unexplained};
+use crate::naming::{Likenesses, SearchStep, Stage};
 use crate::suite::ERROR_OF_TOLERANCE;
 use std::collections::BTreeMap;
 
@@ -210,20 +210,19 @@ pub fn likely_text(found: &Likenesses, was_cut_short: bool, seconds: f64) -> Str
         text.push_str(&format!(")\n            {}\n", known.advice));
     }
     let unfinished = &found.unfinished;
-    let is_said = found.unexplained.iter().any(|it| !it.said.is_empty());
+    let is_said = found.unexplained.iter().any(|it| !it.difference.is_empty());
     if found.likely.is_empty() && !found.unexplained.is_empty() && unfinished.is_empty() && !is_said
     {
         text.push_str(&format!("\n{}\n", found.nothing_known(None)));
     }
-    let measured = found.unexplained.iter().filter(|it| !it.said.is_empty());
-    for Unexplained {
-        case,
-        said,
-        change_agrees,
-    } in measured.clone().take(MOST_MEASURED)
-    {
+    let measured = found
+        .unexplained
+        .iter()
+        .filter(|it| !it.difference.is_empty());
+    for result in measured.clone().take(MOST_MEASURED) {
+        let case = &result.name;
         let is_open = unfinished.iter().any(|search| search.case == *case);
-        let head = if *change_agrees {
+        let head = if result.change_agrees {
             "a change of a parameter explains it"
         } else if is_open {
             "not explained yet; measured"
@@ -231,7 +230,7 @@ pub fn likely_text(found: &Likenesses, was_cut_short: bool, seconds: f64) -> Str
             &format!("{}; measured", found.nothing_known(Some(case)))
         };
         text.push_str(&format!("\n{case}: {head}:\n"));
-        for sentence in said {
+        for sentence in &result.difference {
             text.push_str(&format!("            {sentence}\n"));
         }
     }

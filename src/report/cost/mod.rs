@@ -96,7 +96,7 @@ const OF_SWEEPS: &str = "scene panel sweep=sweep/name parameter=sweep/parameter 
     expected_order=sweep/order/expected verdict=sweep/order/verdict reference_bound=sweep/reference/bound {times}";
 const OF_EFFECTS: &str = "scene panel effect {work} times_lookups {times}";
 const TIMES: &str = "runs=time/runs median_seconds=time/median min_seconds=time/min max_seconds=time/max \
-    deviation_seconds=time/deviation outliers=time/outliers is_noisy=time/is_noisy";
+    is_noisy=time/is_noisy";
 
 /// The files `sweeps.csv`, a row for each setting, and `effects.csv`: their names and texts.
 pub fn cost_csv(costs: &[Cost]) -> [(&'static str, String); 2] {

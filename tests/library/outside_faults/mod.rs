@@ -298,10 +298,11 @@ fn a_limit_of_a_search_counts_work_and_not_time() {
         let search = uninterrupted(Some(Duration::from_millis(300)), &predictions);
         let found = likeness(&[case], None, &mut judged, &search);
         let [judged] = judged;
-        (found, judged.result.looks_like, judged.result.difference)
+        let (looks_like, difference) = (judged.result.looks_like, judged.result.difference);
+        (found.unfinished, found.likely, looks_like, difference)
     };
     let first = found();
-    let unfinished = &first.0.unfinished;
+    let unfinished = &first.0;
     assert!(
         unfinished.first().is_some_and(|step| step.done > 20),
         "{unfinished:?}"

@@ -27,8 +27,6 @@ fn times(median: f64) -> Times {
         median,
         min: 0.8 * median,
         max: 1.5 * median,
-        deviation: 0.1 * median,
-        outliers: 1,
         is_noisy: median > 1e-6,
     }
 }
@@ -167,7 +165,7 @@ fn csv_has_a_row_for_each_setting_and_each_effect() {
         assert_eq!(records.len(), rows);
         assert_eq!(&records[0][0], "a, \"b\"\nc");
         // All times, and nothing but times, are in the last columns.
-        let of_runs = ["runs", "outliers", "is_noisy"];
+        let of_runs = ["runs", "is_noisy"];
         let is_time = |head: &str| head.contains("seconds") || of_runs.contains(&head);
         let times: Vec<bool> = heads.iter().map(is_time).collect();
         assert!(times.is_sorted(), "{heads:?}");
@@ -175,9 +173,9 @@ fn csv_has_a_row_for_each_setting_and_each_effect() {
     let rows = settings.replace("\"a, \"\"b\"\"\nc\"", "plume");
     let rows: Vec<&str> = rows.lines().take(3).collect();
     insta::assert_snapshot!(rows.join("\n"), @"
-    scene,panel,sweep,parameter,setting,value,density_lookups,gradient_lookups,gradients_computed,cells_walked,shadow_rays,phase_evaluations,null_collisions,surface_tests,random_draws,attenuations,channel_attenuations,emission_terms,first_scatterings,further_scatterings,l1,l2,max,l2_uncertainty,local_order,fitted_order,expected_order,verdict,reference_bound,runs,median_seconds,min_seconds,max_seconds,deviation_seconds,outliers,is_noisy
-    plume,left half,step,step,1 voxel,1.0,8.0,0.0,0.0,0.0,0.0,0.0,0.0,0.0,0.0,0.0,0.0,0.0,0.0,0.0,0.04375,0.0625,0.25,0.02,,2.0,2.0,as-expected,1e-5,10,1.28e-7,1.0240000000000002e-7,1.9200000000000003e-7,1.2800000000000002e-8,1,false
-    plume,left half,step,step,0.5 voxels,0.5,16.0,0.0,0.0,0.0,0.0,0.0,0.0,0.0,0.0,0.0,0.0,0.0,0.0,0.0,0.0109375,0.015625,0.0625,0.02,1.9999999999999996,2.0,2.0,as-expected,1e-5,10,2.56e-7,2.0480000000000003e-7,3.8400000000000005e-7,2.5600000000000004e-8,1,false
+    scene,panel,sweep,parameter,setting,value,density_lookups,gradient_lookups,gradients_computed,cells_walked,shadow_rays,phase_evaluations,null_collisions,surface_tests,random_draws,attenuations,channel_attenuations,emission_terms,first_scatterings,further_scatterings,l1,l2,max,l2_uncertainty,local_order,fitted_order,expected_order,verdict,reference_bound,runs,median_seconds,min_seconds,max_seconds,is_noisy
+    plume,left half,step,step,1 voxel,1.0,8.0,0.0,0.0,0.0,0.0,0.0,0.0,0.0,0.0,0.0,0.0,0.0,0.0,0.0,0.04375,0.0625,0.25,0.02,,2.0,2.0,as-expected,1e-5,10,1.28e-7,1.0240000000000002e-7,1.9200000000000003e-7,false
+    plume,left half,step,step,0.5 voxels,0.5,16.0,0.0,0.0,0.0,0.0,0.0,0.0,0.0,0.0,0.0,0.0,0.0,0.0,0.0,0.0109375,0.015625,0.0625,0.02,1.9999999999999996,2.0,2.0,as-expected,1e-5,10,2.56e-7,2.0480000000000003e-7,3.8400000000000005e-7,false
     ");
 }
 
