@@ -1,8 +1,7 @@
 //! Errors in scenes, with their position and remedy.
 
-use super::excerpt::{Excerpt, shortened};
-use crate::files::visible::visible_in_place;
-use miette::{Diagnostic, SourceSpan};
+use crate::files::visible::{visible, visible_in_place};
+use miette::{Diagnostic, NamedSource, SourceSpan};
 use std::ops::Range;
 use thiserror::Error;
 
@@ -19,11 +18,43 @@ pub struct SceneError {
     message: String,
     #[help]
     help: Option<String>,
+    path: String,
+    position: Option<(usize, usize)>,
+    /// The file, unless it has lines too long to be shown.
     #[source_code]
-    source_code: Excerpt,
+    source_code: Option<NamedSource<String>>,
     #[label]
     span: Option<SourceSpan>,
 }
+
+/// A longer message is shortened: ten lines of a terminal say what is wrong.
+const MOST_CHARACTERS: usize = 1000;
+
+/// Characters kept at the beginning and at the end of a longer message. A quoted value stands between, and its
+/// fault before or behind it.
+const BEGINNING: usize = 400;
+const END: usize = 300;
+
+/// `text`, without its middle if it is too long.
+pub(crate) fn shortened(text: String) -> String {
+    if text.len() <= MOST_CHARACTERS {
+        return text;
+    }
+    let count = text.chars().count();
+    if count <= MOST_CHARACTERS {
+        return text;
+    }
+    let beginning: String = text.chars().take(BEGINNING).collect();
+    let end: String = text.chars().skip(count - END).collect();
+    let left_out = count - BEGINNING - END;
+    format!("{beginning} … ({left_out} characters left out) … {end}")
+}
+
+/// Bytes of a line that is shown, at most.
+const MOST_OF_A_LINE: usize = 1000;
+
+/// Bytes that are underlined, at most.
+const MOST_UNDERLINED: usize = 240;
 
 impl SceneError {
     /// A mistake at `span`, a range of bytes of `text`, the contents of the file `path`.
@@ -35,15 +66,29 @@ impl SceneError {
         message: impl Into<String>,
         help: Option<String>,
     ) -> Box<SceneError> {
-        let source_code = Excerpt {
-            name: path.to_owned(),
-            text: visible_in_place(text),
+        let text = visible_in_place(text);
+        // The largest boundary of a character that is not behind an offset.
+        let boundary = |offset: usize| {
+            let mut offsets = (0..=offset.min(text.len())).rev();
+            offsets.find(|&at| text.is_char_boundary(at)).unwrap_or(0)
         };
+        let span = span.map(|Range { start, end }| {
+            let end = end.clamp(start, start.saturating_add(MOST_UNDERLINED));
+            boundary(start)..boundary(end)
+        });
+        let position = span.as_ref().map(|span| {
+            let before = &text[..span.start];
+            let line = before.rsplit('\n').next().unwrap_or_default();
+            (before.matches('\n').count() + 1, line.chars().count() + 1)
+        });
+        let is_shown = text.lines().all(|line| line.len() <= MOST_OF_A_LINE);
         Box::new(SceneError {
             message: shortened(message.into()),
             help: help.map(shortened),
-            span: span.map(|span| source_code.underlined(span).into()),
-            source_code,
+            path: path.to_owned(),
+            position,
+            span: span.filter(|_| is_shown).map(SourceSpan::from),
+            source_code: is_shown.then(|| NamedSource::new(visible(path), text)),
         })
     }
 
@@ -59,19 +104,34 @@ impl SceneError {
 
     /// Line and column of the error, from 1; columns count characters.
     pub fn position(&self) -> Option<(usize, usize)> {
-        let before = &self.source_code.text[..self.span?.offset()];
-        let line_start = before.rfind('\n').map_or(0, |newline| newline + 1);
-        Some((
-            before.matches('\n').count() + 1,
-            before[line_start..].chars().count() + 1,
-        ))
+        self.position
     }
 
     fn location(&self) -> String {
-        let path = &self.source_code.name;
-        match self.position() {
+        let path = &self.path;
+        match self.position {
             Some((line, column)) => format!("{path}:{line}:{column}: "),
             None => format!("{path}: "),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn long_messages_keep_their_beginning_and_end() {
+        let short = "ä".repeat(MOST_CHARACTERS);
+        assert_eq!(shortened(short.clone()), short);
+        let long = format!(
+            "`step` takes a length, got {:?}: mend it",
+            "ä".repeat(500_000)
+        );
+        let cut = shortened(long);
+        assert!(cut.chars().count() < MOST_CHARACTERS);
+        assert!(cut.starts_with("`step` takes a length, got \"ää"), "{cut}");
+        assert!(cut.ends_with("ää\": mend it"), "{cut}");
+        assert!(cut.contains(" … (499338 characters left out) … "), "{cut}");
     }
 }

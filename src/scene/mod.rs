@@ -8,7 +8,6 @@ mod clip;
 mod conventions;
 mod curve;
 mod error;
-mod excerpt;
 mod files;
 pub mod format;
 mod key_lines;
@@ -40,8 +39,7 @@ pub use conventions::{
 };
 pub use curve::Curve;
 pub use error::SceneError;
-pub(crate) use error::SceneResult;
-pub(crate) use excerpt::shortened;
+pub(crate) use error::{SceneResult, shortened};
 pub use files::InputFile;
 pub use key_lines::KeyLines;
 pub use length::Length;
