@@ -85,14 +85,15 @@ impl Aabb {
     ///
     /// Relative error of either end, from a difference and a quotient: 2 · 2^-53 at any angle;
     /// measured on 100 000 rays: 0.98 of that, 1.5 ulp.
+    #[inline]
     pub fn span(&self, ray: &Ray) -> Option<Span> {
-        let [near, far] = self.crossings(ray)?;
-        ahead(near.t, far.t)
+        self.span_of(&ray.into())
     }
 
     /// As [`Aabb::span`], of a line with a direction of any length.
+    #[inline]
     pub(crate) fn span_of(&self, line: &Line) -> Option<Span> {
-        let [near, far] = self.crossings_of(&line.origin, &line.direction)?;
+        let [near, far] = self.crossings(line)?;
         ahead(near.t, far.t)
     }
 }
@@ -120,13 +121,9 @@ impl Aabb {
     /// Entry and exit of the whole line, `t < 0` included.
     ///
     /// There is no tolerance: a line that only touches an edge has a segment of length 0 at most.
-    pub(super) fn crossings(&self, ray: &Ray) -> Option<[FaceCrossing; 2]> {
-        self.crossings_of(&ray.origin, &ray.direction)
-    }
-
-    // Always: a call of its own within that of `crossings` takes as long as a slab.
+    // Always: a call of its own takes as long as a slab.
     #[inline(always)]
-    fn crossings_of(&self, origin: &DVec3, direction: &DVec3) -> Option<[FaceCrossing; 2]> {
+    pub(super) fn crossings(&self, line: &Line) -> Option<[FaceCrossing; 2]> {
         let mut near = FaceCrossing {
             t: f64::NEG_INFINITY,
             axis: 0,
@@ -136,7 +133,7 @@ impl Aabb {
             axis: 0,
         };
         for axis in 0..3 {
-            let (origin, direction) = (origin[axis], direction[axis]);
+            let (origin, direction) = (line.origin[axis], line.direction[axis]);
             let (low, high) = (self.min[axis], self.max[axis]);
             if direction == 0.0 {
                 // A branch of its own: (low − origin) · (1/0) would be 0·∞ on a face.

@@ -1,9 +1,7 @@
 //! The faces of an axis-aligned box as a surface, and its inside as a solid.
 
 use super::hit::RELATIVE_CLEARANCE;
-use super::{
-    Aabb, Convex, Crossing, Direction, Hit, Ray, Side, Solid, Span, Surface, SurfacePoint,
-};
+use super::{Aabb, Crossing, Direction, Hit, Ray, Side, Solid, Span, Surface, SurfacePoint};
 
 /// Outward normals, by face.
 const NORMALS: [Direction; 6] = [
@@ -21,7 +19,7 @@ impl Surface for Aabb {
     }
 
     fn crossing(&self, ray: &Ray, limit: f64) -> Option<Crossing> {
-        let [near, far] = self.crossings(ray)?;
+        let [near, far] = self.crossings(&ray.into())?;
         let (crossing, side) = if near.t > 0.0 {
             (near, Side::Front)
         } else {
@@ -44,12 +42,6 @@ impl Surface for Aabb {
 impl Solid for Aabb {
     fn append_spans(&self, ray: &Ray, spans: &mut Vec<Span>) {
         spans.extend(self.span(ray));
-    }
-}
-
-impl Convex for Aabb {
-    fn span(&self, ray: &Ray) -> Option<Span> {
-        Aabb::span(self, ray)
     }
 }
 

@@ -51,6 +51,5 @@ pub use ray::{Line, Ray, Span, length_of};
 pub use rectangle::Rectangle;
 pub use shape::{Boundary, Luminous, Shape};
 pub use sphere::Sphere;
-pub(crate) use surface::Convex;
 pub use surface::{Solid, Surface};
 pub use transform::Transform;

@@ -1,6 +1,6 @@
 //! Transformed shapes.
 
-use super::{Aabb, Convex, Crossing, Hit, Ray, Solid, Span, Surface, SurfacePoint, Transform};
+use super::{Aabb, Crossing, Hit, Ray, Solid, Span, Surface, SurfacePoint, Transform};
 use glam::DVec3;
 
 /// A shape with a transform. Rays are mapped to object space, so a rotated box is still a box.
@@ -110,16 +110,5 @@ impl<S: Solid> Solid for Placed<S> {
             span.near /= scale;
             span.far /= scale;
         }
-    }
-}
-
-impl<S: Convex> Convex for Placed<S> {
-    fn span(&self, ray: &Ray) -> Option<Span> {
-        let (ray, scale) = self.to_world.ray_to_object(ray)?;
-        let span = self.shape.span(&ray)?;
-        Some(Span {
-            near: span.near / scale,
-            far: span.far / scale,
-        })
     }
 }

@@ -3,8 +3,8 @@
 use super::hit::RELATIVE_CLEARANCE;
 use super::ray::ahead;
 use super::{
-    Aabb, Convex, Crossing, Direction, Emitter, EmitterExtent, Hit, InvalidParameter, Ray, Side,
-    Solid, Span, Surface, SurfacePoint, require, require_finite,
+    Aabb, Crossing, Direction, Emitter, EmitterExtent, Hit, InvalidParameter, Ray, Side, Solid,
+    Span, Surface, SurfacePoint, require, require_finite,
 };
 use crate::math;
 use glam::DVec3;
@@ -150,14 +150,8 @@ impl Surface for Sphere {
 
 impl Solid for Sphere {
     fn append_spans(&self, ray: &Ray, spans: &mut Vec<Span>) {
-        spans.extend(self.span(ray));
-    }
-}
-
-impl Convex for Sphere {
-    fn span(&self, ray: &Ray) -> Option<Span> {
-        let chord = self.chord(ray)?;
-        ahead(chord.near, chord.far)
+        let chord = self.chord(ray);
+        spans.extend(chord.and_then(|chord| ahead(chord.near, chord.far)));
     }
 }
 

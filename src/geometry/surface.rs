@@ -69,9 +69,3 @@ pub trait Solid: Surface {
         spans
     }
 }
-
-/// A convex closed shape: a ray has one segment inside at most.
-pub(crate) trait Convex: Solid {
-    /// The only one of [`spans`](Solid::spans).
-    fn span(&self, ray: &Ray) -> Option<Span>;
-}

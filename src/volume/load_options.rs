@@ -5,7 +5,7 @@ use glam::DVec3;
 use serde::Deserialize;
 
 /// Options for converting a file to a grid, where the file is silent or the caller overrides it.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LoadOptions {
     /// For point clouds: the grid they are splatted to.
     pub splatting: Splatting,
@@ -37,26 +37,11 @@ impl LoadOptions {
     }
 }
 
-impl Default for LoadOptions {
-    fn default() -> LoadOptions {
-        LoadOptions::from(Splatting {
-            resolution: None,
-            padding: 2,
-        })
-    }
-}
-
 impl From<Splatting> for LoadOptions {
     fn from(splatting: Splatting) -> LoadOptions {
         LoadOptions {
             splatting,
-            centring: None,
-            non_finite: NonFinite::default(),
-            orientation: Orientation::default(),
-            detached_anywhere: false,
-            axes: None,
-            spacing: None,
-            origin: None,
+            ..LoadOptions::default()
         }
     }
 }

@@ -16,7 +16,7 @@ use super::orientation::Axes;
 use super::samples::{VolumeRead, check_sizes, fill, gunzipped, read_grid, read_unpacked};
 use super::source::VolumeSource;
 use super::{Centring, Element, Encoding, Endian, Layout, LoadOptions};
-use glam::DVec3;
+use glam::{DMat3, DQuat, DVec3};
 use std::io::{self, BufReader, Read};
 
 /// Bytes of the header.
@@ -294,7 +294,6 @@ impl<'h> NiftiHeader<'h> {
 
     /// The steps along axes that the quaternion of the qform turns.
     fn turned(&self, spacing: DVec3) -> Result<[DVec3; 3], VolumeFault> {
-        let [dx, dy, dz] = spacing.to_array();
         let handedness = self.float(76);
         let [b, c, d] = self.finite(256, ["quatern_b", "quatern_c", "quatern_d"])?;
         let squares = b * b + c * c + d * d;
@@ -311,23 +310,13 @@ impl<'h> NiftiHeader<'h> {
                  `qform_code` to 0"
             ));
         };
-        let dz = if handedness < 0.0 { -dz } else { dz };
-        let x = DVec3::new(
-            a * a + b * b - c * c - d * d,
-            2.0 * (b * c + a * d),
-            2.0 * (b * d - a * c),
-        );
-        let y = DVec3::new(
-            2.0 * (b * c - a * d),
-            a * a + c * c - b * b - d * d,
-            2.0 * (c * d + a * b),
-        );
-        let z = DVec3::new(
-            2.0 * (b * d + a * c),
-            2.0 * (c * d - a * b),
-            a * a + d * d - c * c - b * b,
-        );
-        Ok([x * dx, y * dy, z * dz])
+        let turn = DMat3::from_quat(DQuat::from_xyzw(b, c, d, a));
+        let last = spacing.z * if handedness < 0.0 { -1.0 } else { 1.0 };
+        Ok([
+            turn.x_axis * spacing.x,
+            turn.y_axis * spacing.y,
+            turn.z_axis * last,
+        ])
     }
 }
 
