@@ -10,8 +10,8 @@ use crate::math::{Sum, ln};
 use crate::report::widest;
 use crate::scene::Scene;
 use crate::volume::{
-    AxisOrder, Centring, Content, Encoding, Endian, FileRead, Grid, Layout, LoadOptions,
-    LostValues, NonFinite, Orientation, Stored, load_hashed, volume_format, volume_formats,
+    AxisOrder, Centring, Content, Encoding, Endian, FileRead, Grid, Layout, LoadOptions, NonFinite,
+    Orientation, Stored, load_hashed, volume_format, volume_formats,
 };
 use serde::Serialize;
 use serde_json::{Value, json};
@@ -225,11 +225,8 @@ impl Facts {
         }
         facts.place(it);
         let values = ValueStatistics::of(it.grid);
-        if let Some(Stored::Samples { layout, lost }) = it.stored {
+        if let Some(Stored::Samples { layout }) = it.stored {
             facts.stored(it.grid, layout, &values);
-            if let Some(lost) = lost {
-                facts.lost(lost);
-            }
         }
         if let (Some(min), Some(max), Some(mean)) = (values.min, values.max, values.mean) {
             facts.row("values", summary(min, max, mean));
@@ -330,22 +327,6 @@ impl Facts {
             self.row("", format!("value = {} · stored{plus}", digits(slope)));
         }
         self.json["stored"] = json;
-    }
-
-    /// Values that the grid does not hold.
-    fn lost(&mut self, lost: &LostValues) {
-        let LostValues {
-            count,
-            voxel,
-            stored,
-        } = *lost;
-        let value = f64::from(stored as f32);
-        self.json["stored"]["not_in_float32"] =
-            json!({ "count": count, "voxel": voxel, "stored": stored, "value": value });
-        let [i, j, k] = voxel;
-        self.row("float32", format!(
-            "does not hold {count}, first at voxel ({i}, {j}, {k}), counted as stored: {stored} becomes {value}"
-        ));
     }
 }
 

@@ -36,13 +36,13 @@ pub enum Boundary {
     /// A box along the axes.
     Box(Aabb),
     /// A closed mesh.
-    Mesh(Arc<ClosedMesh>),
+    Mesh(ClosedMesh),
     /// A sphere moved, turned or stretched.
     PlacedSphere(Placed<Sphere>),
     /// A box moved, turned or stretched.
     PlacedBox(Placed<Aabb>),
     /// A closed mesh moved, turned or stretched.
-    PlacedMesh(Placed<Arc<ClosedMesh>>),
+    PlacedMesh(Placed<ClosedMesh>),
 }
 
 /// A shape that can emit light: one whose points can be chosen uniformly by area.
@@ -125,12 +125,6 @@ impl<S: Surface> Surface for Arc<S> {
         fn crossing(ray: &Ray, limit: f64) -> Option<Crossing>;
         fn hit_at(ray: &Ray, crossing: &Crossing) -> Hit;
         fn blocks(ray: &Ray, limit: f64) -> bool;
-    }
-}
-
-impl<S: Solid> Solid for Arc<S> {
-    forward! { (*)
-        fn append_spans(ray: &Ray, spans: &mut Vec<Span>);
     }
 }
 

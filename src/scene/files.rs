@@ -35,7 +35,6 @@ pub(super) struct Files<'p> {
     grids: Vec<LoadedGrid>,
     formulas: Vec<(NodeFormula, Arc<Grid<f32>>)>,
     meshes: BTreeMap<String, (Arc<Mesh>, InputFile)>,
-    closed: BTreeMap<String, Arc<ClosedMesh>>,
     used: Vec<InputFile>,
 }
 
@@ -47,7 +46,6 @@ impl<'p> Files<'p> {
             grids: Vec::new(),
             formulas: Vec::new(),
             meshes: BTreeMap::new(),
-            closed: BTreeMap::new(),
             used: Vec::new(),
         }
     }
@@ -200,16 +198,10 @@ impl<'p> Files<'p> {
     }
 
     /// The mesh that a table `{ file }` names, which must be closed.
-    pub(super) fn closed_mesh(&mut self, reader: &Reader) -> SceneResult<Arc<ClosedMesh>> {
+    pub(super) fn closed_mesh(&mut self, reader: &Reader) -> SceneResult<ClosedMesh> {
         let name: String = reader.get("file")?;
         let mesh = self.mesh_named(reader, name.clone())?;
-        if let Some(closed) = self.closed.get(&name) {
-            return Ok(closed.clone());
-        }
-        let closed = ClosedMesh::new(mesh).map_err(|error| bad_mesh(reader, &name, &error))?;
-        let closed = Arc::new(closed);
-        self.closed.insert(name, closed.clone());
-        Ok(closed)
+        ClosedMesh::new(mesh).map_err(|error| bad_mesh(reader, &name, &error))
     }
 
     fn mesh_named(&mut self, reader: &Reader, name: String) -> SceneResult<Arc<Mesh>> {

@@ -81,7 +81,7 @@ impl Recipe {
     fn angles(&self, loaded: &Loaded) -> String {
         let is_projection = self.projects();
         let to_back = match &loaded.stored {
-            Stored::Samples { layout, .. } => {
+            Stored::Samples { layout } => {
                 layout.space.is_some_and(|space| space.starts_with("RAS"))
             }
             Stored::Cloud { .. } => false,

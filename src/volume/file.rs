@@ -123,7 +123,7 @@ pub fn load_hashed(path: &Path, options: &LoadOptions) -> Result<Loaded, VolumeE
         None => source.error(fault),
     })?;
     let to_world = match &stored {
-        Stored::Samples { layout, .. } => {
+        Stored::Samples { layout } => {
             let placement = layout.axes.placement(options.centring, options.orientation);
             placement.ok().and_then(|placement| placement.to_world)
         }

@@ -65,7 +65,7 @@ pub use orientation::{Axes, Orientation};
 pub use perlin::perlin_noise;
 pub(crate) use perlin::{GRADIENTS as NOISE_GRADIENTS, PUBLISHED as NOISE_PERMUTATION};
 pub use placed_box::{PlacedBox, cell_edges, voxel};
-pub use samples::{Element, Encoding, Endian, Layout, LostValues, Stored};
+pub use samples::{Element, Encoding, Endian, Layout, Stored};
 pub use source::FileRead;
 pub use splat::{Splatting, splat, splat_weights};
 pub use walk::{Visit, Walk};

@@ -23,13 +23,7 @@ const MOST_BYTES: u64 = 1 << 32;
 
 pub(super) fn read_archive(source: &mut VolumeSource, options: &LoadOptions) -> VolumeRead {
     let length = source.remaining();
-    if length > MOST_BYTES {
-        return refused(format!(
-            "the archive has {length} bytes, and at most {MOST_BYTES} are read: write the array as .npy"
-        ));
-    }
-    let mut bytes = Vec::new();
-    source.take(MOST_BYTES).read_to_end(&mut bytes)?;
+    let bytes = source.all(MOST_BYTES, "write the array as .npy")?;
     let damaged = |error: String| {
         VolumeFault::from(format!(
             "no readable NPZ file: {error}; numpy.savez of one array writes it right"

@@ -25,7 +25,7 @@ use crate::files::misspelling::{escape_remedy, nearest};
 use crate::geometry::InvalidParameter;
 use glam::DVec3;
 use serde::Deserialize;
-use std::io::{BufRead, Read};
+use std::io::BufRead;
 use std::ops::Range;
 use toml::Spanned;
 
@@ -33,14 +33,10 @@ use toml::Spanned;
 const MOST_BYTES: u64 = 1 << 20;
 
 pub(super) fn read(source: &mut VolumeSource, options: &LoadOptions) -> VolumeRead {
-    let length = source.remaining();
-    if length > MOST_BYTES {
-        return refused(format!(
-            "the description has {length} bytes: the samples go into another file, which it names"
-        ));
-    }
-    let mut bytes = Vec::new();
-    source.take(MOST_BYTES).read_to_end(&mut bytes)?;
+    let bytes = source.all(
+        MOST_BYTES,
+        "the samples go into another file, which this names",
+    )?;
     let not_text = "the description is not UTF-8 text: the samples go into another file, which it \
                     names";
     let text = String::from_utf8(bytes).map_err(|_| not_text)?;

@@ -88,11 +88,6 @@ impl Element {
         self.whole_range().is_some()
     }
 
-    /// True if it has numbers that 32-bit floats do not hold.
-    fn is_beyond_float32(self) -> bool {
-        self.bytes() == 8 || matches!(self, Element::Int32 | Element::Uint32)
-    }
-
     /// Its name, such as `uint16`.
     pub fn name(self) -> &'static str {
         let found = Self::ALL.iter().find(|(_, element)| *element == self);
@@ -191,34 +186,12 @@ pub enum Stored {
     Samples {
         /// Their layout.
         layout: Layout,
-        /// Values that 32 bits do not hold, if there are any.
-        lost: Option<LostValues>,
     },
-}
-
-/// Values of samples that lose more than their last digits in 32 bits: those beyond 2²⁴ that change, up to which
-/// every whole number is held, and those that become 0.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LostValues {
-    /// Number of them.
-    pub count: usize,
-    /// The first, by its place along the stored axes.
-    pub voxel: [usize; 3],
-    /// Its value in the file.
-    pub stored: f64,
-}
-
-/// True if `value` is one of [`LostValues`].
-fn is_lost(value: f64) -> bool {
-    const WHOLE: f64 = (1 << 24) as f64;
-    let held = f64::from(value as f32);
-    held != value && (value.abs() > WHOLE || held == 0.0) && held.is_finite()
 }
 
 /// Reads the samples that follow a header, and all that follows them: nothing may.
 ///
-/// Values are computed in `f64` and rounded to `f32` once more: [`LostValues`] says where that loses more than
-/// the last digits.
+/// Values are computed in `f64` and rounded to `f32` once more.
 pub(super) fn read_grid(
     source: &mut VolumeSource,
     layout: &Layout,
@@ -297,8 +270,7 @@ fn read_as(
     read(&mut samples)?;
     let values = placement.put(samples.values, layout.axes.sizes);
     let grid = Grid::new(placement.lattice, values).expect("one value per node");
-    let (layout, lost) = (*layout, samples.lost);
-    Ok((grid, Stored::Samples { layout, lost }))
+    Ok((grid, Stored::Samples { layout: *layout }))
 }
 
 /// Deflate cannot do better than 1032 to 1: 258 bytes from two bits.
@@ -321,7 +293,6 @@ struct Samples<'l> {
     count: usize,
     bytes_each: usize,
     values: Vec<f32>,
-    lost: Option<LostValues>,
 }
 
 impl<'l> Samples<'l> {
@@ -332,7 +303,6 @@ impl<'l> Samples<'l> {
             count: layout.axes.sizes.iter().product(),
             bytes_each: layout.element.bytes(),
             values: Vec::new(),
-            lost: None,
         }
     }
 
@@ -419,20 +389,6 @@ impl<'l> Samples<'l> {
             Some((slope, intercept)) => {
                 let scaled = words.iter().map(|&b| slope * number(b) + intercept);
                 self.values.extend(scaled.map(|value| value as f32));
-            }
-        }
-        // Nothing shorter is beyond 32 bits, and what a slope makes of numbers is rounded anyway.
-        if self.layout.element.is_beyond_float32() && self.layout.scaling.is_none() {
-            let lost = |word: &[u8; N]| is_lost(number(*word));
-            if let Some(first) = words.iter().position(lost) {
-                let (voxel, stored) = (self.voxel(start + first), number(words[first]));
-                let count = words[first..].iter().filter(|word| lost(word)).count();
-                let all = self.lost.get_or_insert(LostValues {
-                    count: 0,
-                    voxel,
-                    stored,
-                });
-                all.count += count;
             }
         }
         let wrong = self.values[start..].iter().position(|v| !v.is_finite());

@@ -1,6 +1,6 @@
 //! The file of a volume, with its detached data if any.
 
-use super::error::{VolumeError, VolumeFault};
+use super::error::{VolumeError, VolumeFault, refused};
 use super::load_options::LoadOptions;
 use crate::files::file_kind::ends_in;
 use crate::files::regular_file;
@@ -147,6 +147,19 @@ impl<'b> VolumeSource<'b> {
     /// Reads past `count` bytes, or to the end.
     pub fn skip(&mut self, count: u64) -> io::Result<()> {
         io::copy(&mut self.take(count), &mut io::sink()).map(drop)
+    }
+
+    /// All bytes, if they are at most so many, with the remedy else.
+    pub fn all(&mut self, most: u64, remedy: &str) -> Result<Vec<u8>, VolumeFault> {
+        let length = self.remaining;
+        if length > most {
+            return refused(format!(
+                "the file has {length} bytes, and at most {most} are read: {remedy}"
+            ));
+        }
+        let mut bytes = Vec::new();
+        self.take(most).read_to_end(&mut bytes)?;
+        Ok(bytes)
     }
 
     /// Reads what is left of the files, so that their hashes are those of all their bytes.

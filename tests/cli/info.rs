@@ -375,38 +375,6 @@ fn archives_headers_and_streams() {
     );
 }
 
-/// What 32 bits do not hold is told with its place, and the range has all digits.
-#[test]
-fn values_that_32_bits_do_not_hold() {
-    let folder = Folder::new();
-    let raw = |kind: &str| {
-        format!("file = \"{kind}.raw\"\ntype = {kind:?}\nendian = \"little\"\nnodes = [3, 1, 1]\n")
-    };
-    let whole = [16_777_216_i32, 16_777_217, -16_777_219];
-    folder.write("int32.raw", whole.map(i32::to_le_bytes).concat());
-    folder.write("int32.toml", raw("int32"));
-    folder.volref("info int32.toml").prints(0, "values      -16777220 to 16777216, mean … float32     does not hold 2, first at voxel (1, 0, 0), counted as stored: 16777217 becomes 16777216");
-    let json = folder.volref("info int32.toml --json").json();
-    assert_eq!(
-        json["stored"]["not_in_float32"],
-        json!({ "count": 2, "voxel": [1, 0, 0], "stored": 16777217.0, "value": 16777216.0 })
-    );
-    // Digits that are lost below are those of every decimal number; what becomes 0 is lost.
-    folder.write(
-        "float64.raw",
-        [0.1, 1e-300, 100.0].map(f64::to_le_bytes).concat(),
-    );
-    folder.write("float64.toml", raw("float64"));
-    folder.volref("info float64.toml").prints(0, "values      0 to 100, mean … does not hold 1, first at voxel (1, 0, 0), counted as stored: ");
-    folder.write(
-        "float64.raw",
-        [0.1, 1e39, 100.0].map(f64::to_le_bytes).concat(),
-    );
-    folder
-        .volref("info float64.toml")
-        .prints(0, "not finite  1, first at voxel (1, 0, 0): inf");
-}
-
 /// The volume of a scene: by a formula, and from a file; scenes without one say so.
 #[test]
 fn a_scene() {

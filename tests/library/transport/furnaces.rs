@@ -8,7 +8,6 @@ use crate::transport::all;
 use crate::transport::scenes::*;
 use crate::transport::statistics::*;
 use glam::DVec3;
-use std::sync::Arc;
 use volref::geometry::{
     Aabb, Boundary, ClosedMesh, Luminous, Mesh, Placed, Ray, Shape, Sphere, Transform,
 };
@@ -146,9 +145,9 @@ fn grey_sphere(entry: &Entry) {
 
 // Furnaces of our own: every shape, several media and surfaces at once.
 
-fn mesh(name: &str) -> Arc<ClosedMesh> {
+fn mesh(name: &str) -> ClosedMesh {
     let path = format!("fixtures/meshes/{name}.obj");
-    Arc::new(ClosedMesh::new(Mesh::load(path.as_ref()).unwrap()).unwrap())
+    ClosedMesh::new(Mesh::load(path.as_ref()).unwrap()).unwrap()
 }
 
 /// A ray from anywhere within 3 of the middle of the scene, into any direction.
