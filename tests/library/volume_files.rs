@@ -49,8 +49,8 @@ fn sizes_are_checked_before_reading() {
     File::create(&cloud).unwrap().set_len(SIZE).unwrap();
     assert_eq!(
         message(&folder, &cloud),
-        "huge.obj: the file has 1099511627776 bytes, and point clouds of at most 4294967296 are \
-         read: thin it out"
+        "huge.obj: the file has 1099511627776 bytes, and at most 4294967296 are read: thin the cloud \
+         out"
     );
     let grid = folder.join("huge.bin");
     let mut file = File::create(&grid).unwrap();
