@@ -102,18 +102,27 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
 
 /// The volume of a `scene`, of whose panels each shows one.
 fn of_scene(given: &Path, scene: &Path) -> Result<Facts, Failure> {
-    let volumes = Scene::load_volumes(scene)?;
-    let is_one = |other| volumes.iter().all(|it| Arc::ptr_eq(&it.grid, other));
-    let Some(volume) = volumes.first().filter(|first| is_one(&first.grid)) else {
-        let count = ["more than one", "no"][usize::from(volumes.is_empty())];
+    let scene = Scene::load(scene)?;
+    let panels = || {
+        scene
+            .panels
+            .iter()
+            .filter_map(|it| Some((it, it.classified()?)))
+    };
+    let grids: Vec<_> = panels()
+        .flat_map(|(panel, _)| panel.model.grids())
+        .collect();
+    let is_one = grids.iter().all(|it| Arc::ptr_eq(it, grids[0]));
+    let Some((panel, volume)) = panels().next().filter(|_| is_one) else {
+        let count = ["more than one", "no"][usize::from(grids.is_empty())];
         let message = format!("{} has {count} classified volume", given.display());
         let help = "give the file of a volume, or a scene of one";
         return Err(Failure::new(Exit::BadInput, message, Some(help)));
     };
-    let inputs = volume.inputs.iter();
+    let inputs = panel.inputs.iter();
     Ok(Facts::of(&Described {
         given,
-        format: match volume.inputs.is_empty() {
+        format: match panel.inputs.is_empty() {
             true => "formula of a scene",
             false => "volume of a scene",
         },

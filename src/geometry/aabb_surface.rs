@@ -93,8 +93,9 @@ mod tests {
     fn hits_name_the_face_and_lie_in_it() {
         let hit = |origin: [f64; 3], direction: [f64; 3]| {
             let ray = Ray::new(origin.into(), direction.into()).unwrap();
-            let hit = UNIT.hit(&ray, f64::INFINITY).unwrap();
-            (hit.t, hit.face, hit.side, hit.point.normal)
+            let crossing = UNIT.crossing(&ray, f64::INFINITY).unwrap();
+            let hit = UNIT.hit_at(&ray, &crossing);
+            (hit.t, crossing.face, hit.side, hit.point.normal)
         };
         let up = [0.0, 0.0, 1.0];
         assert_eq!(

@@ -63,9 +63,10 @@ pub struct Crossing {
     pub t_in_object: f64,
     /// The side that the ray hits.
     pub side: Side,
-    /// Face of a mesh or side of a box, as in [`Hit::face`].
+    /// Face of a mesh or side of a box (−x, −y, −z, +x, +y, +z); 0 for other shapes.
     pub face: usize,
-    /// Position on the face, as in [`Hit::uv`].
+    /// Position on the face, each in [0, 1]: along the two edges of a rectangle, weights of the
+    /// second and third vertex of a triangle; 0 for spheres and boxes.
     pub uv: [f64; 2],
 }
 
@@ -78,11 +79,6 @@ pub struct Hit {
     pub point: SurfacePoint,
     /// The side that the ray hits.
     pub side: Side,
-    /// Face of a mesh or side of a box (−x, −y, −z, +x, +y, +z); 0 for other shapes.
-    pub face: usize,
-    /// Position on the face, each in [0, 1]: along the two edges of a rectangle, weights of the
-    /// second and third vertex of a triangle; 0 for spheres and boxes.
-    pub uv: [f64; 2],
 }
 
 impl Crossing {
@@ -105,8 +101,6 @@ impl Hit {
             t: crossing.t,
             point,
             side: crossing.side,
-            face: crossing.face,
-            uv: crossing.uv,
         }
     }
 }

@@ -335,7 +335,6 @@ mod tests {
         assert_eq!((above.t, above.side), (2.0, super::super::Side::Front));
         assert_eq!((below.t, below.side), (3.0, super::super::Side::Back));
         assert_eq!(above.point.normal, Direction::Z);
-        assert_eq!(above.uv, [0.25, 0.5]);
         assert_eq!(above.point.position, DVec3::new(0.25, 0.5, 0.0));
         assert_eq!(mesh.area(), 0.5);
     }

@@ -321,7 +321,9 @@ mod tests {
         assert_eq!(light.sample([0.5, 0.5]).position, DVec3::Y * 5.0);
         let ray = Ray::new(DVec3::new(1.0, 0.0, -0.5), DVec3::Y).unwrap();
         let hit = light.hit(&ray, f64::INFINITY).unwrap();
-        assert_eq!((hit.t, hit.uv), (5.0, [0.75, 0.25]));
+        assert_eq!(hit.t, 5.0);
+        let crossing = light.crossing(&ray, f64::INFINITY).unwrap();
+        assert_eq!(crossing.uv, [0.75, 0.25]);
         assert_eq!(hit.side, super::super::Side::Front);
         assert!(light.hit(&ray, 5.0).is_none());
     }

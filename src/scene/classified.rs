@@ -264,20 +264,9 @@ impl Classified {
         if brightest <= limit {
             return Ok(());
         }
-        let source = match &self.transfer_function.appearance {
-            _ if self.has_objects() => "volumes and surfaces".to_owned(),
-            Appearance::Formula { .. } if self.mode == Mode::Composited => {
-                let (_, most) = self.grid.range();
-                format!("densities up to {most:e}, which emit the square of that,")
-            }
-            _ => {
-                let colour = self.mode.brightest_colour(&self.transfer_function);
-                format!("colours up to {colour:e}")
-            }
-        };
         Err(format!(
-            "{source} make pixels of up to {brightest:e} with this shading and background; an \
-             image holds at most {limit:e}"
+            "densities or colours make pixels of up to {brightest:e} with this shading and background; an image holds \
+             at most {limit:e}"
         ))
     }
 

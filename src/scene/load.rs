@@ -120,7 +120,7 @@ impl Model {
     }
 
     /// The grids of its volumes.
-    fn grids(&self) -> Vec<&Arc<Grid<f32>>> {
+    pub(crate) fn grids(&self) -> Vec<&Arc<Grid<f32>>> {
         match self {
             Model::Classified(scene) => {
                 let others = scene.objects.volumes.iter();
@@ -210,7 +210,7 @@ impl Scene {
     }
 
     /// The text of the scene file at `path`.
-    pub(super) fn text(path: &Path) -> SceneResult<String> {
+    fn text(path: &Path) -> SceneResult<String> {
         let name = path.display().to_string();
         let mistake = |message: String, help: &str| {
             SceneError::new(&name, "", None, message, Some(help.to_owned()))
@@ -317,7 +317,7 @@ impl Scene {
 }
 
 /// The root table of each panel: the scene itself, or the scene with the panel's keys put in.
-pub(super) fn panel_tables<'s>(
+fn panel_tables<'s>(
     document: &Document<'s>,
     mut root: Spanned<DeTable<'s>>,
 ) -> SceneResult<Vec<Spanned<DeTable<'s>>>> {

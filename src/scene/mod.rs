@@ -29,7 +29,6 @@ mod shadow;
 mod transfer_function;
 mod transport_fault;
 mod volume;
-mod volumes;
 
 pub use classified::{Classified, Compositing};
 pub use clip::{Clip, Kept};

@@ -188,7 +188,7 @@ mod tests {
                 "the file ends after 47 of the 48 bytes of its header",
             ),
             (
-                b"GIF89a",
+                &[7; 48],
                 "the file does not begin with the letters VOL: this is not a Mitsuba volume",
             ),
             (
@@ -213,7 +213,7 @@ mod tests {
             ),
             (
                 &file(4, [2, 2, 2], 3, UNIT, &[]),
-                "the samples are of type 4 (quantised directions): types 1 (float32), 2 (float16) \
+                "the samples are of type 4: types 1 (float32), 2 (float16) \
                  and 3 (uint8) are read",
             ),
             (

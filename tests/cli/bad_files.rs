@@ -55,10 +55,10 @@ fn grids() {
         ),
         // 2^60 voxels: refused by the header, before anything is allocated.
         (&bomb, &["1048576 × 1048576 × 1048576"]),
-        (&grid([2, 0, 2], [1.0; 3], &[]), &["2 × 0 × 2 nodes"]),
+        (&grid([2, 0, 2], [1.0; 3], &[]), &["2 × 0 × 2 samples"]),
         (
             &grid([-2, 2, 2], [1.0; 3], &[]),
-            &["-2 × 2 × 2 nodes", "little endian"],
+            &["-2 × 2 × 2 samples", "little endian"],
         ),
         (&grid([1, 1, 1], [1.0; 3], &[1.0]), &["1 × 1 × 1"]),
         (&grid([2, 2, 2], [0.0; 3], &[1.0; 8]), &["size 0 along x"]),

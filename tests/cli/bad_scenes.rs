@@ -190,7 +190,7 @@ fn modes_and_what_contradicts_them() {
     scene.toml:9:8: `mode = "isosurface"` needs a value help: give [[classified.isosurface]] with `value` and `colour`, once for each surface
     scene.toml:10:25: `value` must be finite, got inf help: `classified.isosurface[0].value`: Value of the volume, in the unit of its file.
     scene.toml:10:50: `opacity` must lie in [0, 1], got 2 help: `classified.isosurface[0].opacity`: Fraction of the light behind that is absorbed.
-    scene.toml:12:1: colours up to 1e39 make pixels of up to 1e39 with this shading and background; an image holds at most 1.7014117331926443e38 help: `classified.volume`: The densities; in double brackets those of several volumes, at most 64, each with a look of its own.
+    scene.toml:12:1: densities or colours make pixels of up to 1e39 with this shading and background; an image holds at most 1.7014117331926443e38 help: `classified.volume`: The densities; in double brackets those of several volumes, at most 64, each with a look of its own.
     scene.toml:10:52: two isosurfaces have the value 1 help: leave one of them out: they are one surface
     scene.toml:10:14: 65 isosurfaces are too many: a scene has at most 64 help: `classified.isosurface`: The surfaces of `mode = "isosurface"`, at most 64.
     scene.toml:11:10: nothing casts a shadow with `mode = "isosurface"` help: leave the table out, or `mode`
@@ -426,7 +426,7 @@ fn transfer_functions_by_points() {
     scene.toml:6:32: `colour` must not be negative, got [0, -1, 0] help: `transfer_function.point[0].colour`: Linear radiance of the material before shading.
     scene.toml:8:11: the points must be sorted by value, but -1 follows 0 help: `transfer_function.point[1].value`: Value of the volume, in the unit of its file; with `range`, its position in that, from 0 to 1.
     scene.toml:10:11: three points have the value 1; two make a step, and a third means nothing help: `transfer_function.point[3].value`: Value of the volume, in the unit of its file; with `range`, its position in that, from 0 to 1.
-    scene.toml:13:1: colours up to 1e39 make pixels of up to 1e39 with this shading and background; an image holds at most 1.7014117331926443e38 help: `classified.volume`: The densities; in double brackets those of several volumes, at most 64, each with a look of its own.
+    scene.toml:13:1: densities or colours make pixels of up to 1e39 with this shading and background; an image holds at most 1.7014117331926443e38 help: `classified.volume`: The densities; in double brackets those of several volumes, at most 64, each with a look of its own.
     scene.toml:10:9: [transfer_function] mixes `point` with `floor` help: give either `point`, or `floor` and `colormap`
     scene.toml:7:9: [transfer_function] mixes `point` with `colormap` help: give either `point`, or `floor` and `colormap`
     scene.toml:11:18: `reference_step`: a length must be positive and finite, got 0 help: `classified.shadow.reference_step`: Path length over which a density of 1 adds 1 to the shadow sum S (with a table of points: over which its opacities apply), world units or voxels; smaller is darker.
@@ -855,7 +855,7 @@ fn volumes_surfaces_and_clips() {
     broken.toml:12:1: [classified.surface[0]] has no shape help: give one of `rectangle`, `sphere`, `box`, `mesh`
     broken.toml:12:1: missing key `colour` in [classified.surface[0]] help: `classified.surface[0].colour`: Linear radiance of the material before shading.
     broken.toml:13:10: `colour` must not be negative, got [-1, -1, -1] help: `classified.surface[0].colour`: Linear radiance of the material before shading.
-    broken.toml:6:1: volumes and surfaces make pixels of up to 1e39 with this shading and background; an image holds at most 1.7014117331926443e38 help: `classified.volume`: The densities; in double brackets those of several volumes, at most 64, each with a look of its own.
+    broken.toml:6:1: densities or colours make pixels of up to 1e39 with this shading and background; an image holds at most 1.7014117331926443e38 help: `classified.volume`: The densities; in double brackets those of several volumes, at most 64, each with a look of its own.
     broken.toml:12:1: several volumes follow these conventions only where they are sampled by common steps help: add `volume_steps = "common"`, or leave the keys out
     broken.toml:6:15: with several volumes, surfaces or clips samples are composited front to back help: leave `compositing` out: the order changes no more than rounding
     broken.toml:6:21: with several volumes, surfaces or clips no ray is ended early help: leave the key out

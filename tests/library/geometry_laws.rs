@@ -176,12 +176,12 @@ fn the_hierarchy_changes_no_bit() {
         };
         let ray = Ray::new(origin, aim - origin).unwrap();
         let hits = singles.iter().enumerate().filter_map(|(face, mesh)| {
-            let hit = mesh.hit(&ray, f64::INFINITY)?;
+            let hit = mesh.crossing(&ray, f64::INFINITY)?;
             Some((hit.t, face, hit.uv))
         });
         let nearest = hits.reduce(|a, b| if b.0 < a.0 { b } else { a });
         let found = whole
-            .hit(&ray, f64::INFINITY)
+            .crossing(&ray, f64::INFINITY)
             .map(|hit| (hit.t, hit.face, hit.uv));
         assert_eq!(found, nearest, "{ray:?}");
     }

@@ -1,7 +1,7 @@
 //! Media: what fills a shape, or all space.
 
 use super::{Body, LARGEST_RADIANCE, check_radiance, densities, phases, shape_transform, shapes};
-use crate::geometry::{Aabb, Surface, length_of};
+use crate::geometry::{Surface, length_of};
 use crate::optics::{Asymmetry, Coefficients, Density, Field, Homogeneous, optical_depth};
 use crate::scene::SceneResult;
 use crate::scene::files::Files;
@@ -42,22 +42,21 @@ pub(super) fn read(reader: &Reader, files: &mut Files) -> SceneResult<Body> {
     // What a medium is made of may bring the space that it fills. Where it does not, the space is
     // read first: the order in which keys are read is part of what goldens know of a scene.
     let varies = reader.first_of(&densities::KEYS);
-    let (space, substance) = match varies {
-        None => (
-            shapes::space(reader, files, None)?,
-            Substance::read(reader, files)?,
-        ),
-        Some(_) => {
-            let substance = Substance::read(reader, files)?;
-            (
-                shapes::space(reader, files, substance.own_box())?,
-                substance,
-            )
-        }
+    let mut space = match varies {
+        None => shapes::space(reader, files, None)?,
+        Some(_) => None,
     };
+    let (coefficients, field, asymmetry) = substance(reader, files)?;
+    if varies.is_some() {
+        let own = match &field {
+            Some(Field::Grid(grid)) => Some(grid.bounds()),
+            _ => None,
+        };
+        space = shapes::space(reader, files, own)?;
+    }
     let emission = reader.get("emission")?;
     check_radiance(reader, "emission", emission)?;
-    let phase = phases::read(reader, substance.asymmetry)?;
+    let phase = phases::read(reader, asymmetry)?;
     if let Some(space) = &space
         && varies.is_some()
         && !(space.bounds.size().is_finite() && space.bounds.size().max_element().is_normal())
@@ -66,7 +65,7 @@ pub(super) fn read(reader: &Reader, files: &mut Files) -> SceneResult<Body> {
         let help = "choose another unit of length";
         return Err(reader.mistake_here(message, help));
     }
-    let density = match (substance.field, &space) {
+    let density = match (field, &space) {
         (None, _) => None,
         (Some(field), Some(space)) => Some(Density::new(field, space.bounds, space.to_world)),
         (Some(_), None) => {
@@ -75,7 +74,7 @@ pub(super) fn read(reader: &Reader, files: &mut Files) -> SceneResult<Body> {
             return Err(reader.mistake(varies.expect("its density"), message, help));
         }
     };
-    let nothing = substance.coefficients.sigma_t() == DVec3::ZERO && emission == DVec3::ZERO;
+    let nothing = coefficients.sigma_t() == DVec3::ZERO && emission == DVec3::ZERO;
     if let (Some(key), true) = (varies, nothing) {
         let message = "the medium has a density but no coefficients, so it has no effect on light";
         let help = "give it `sigma_a`, `sigma_s` or `emission`, as they are where the density is 1";
@@ -84,7 +83,7 @@ pub(super) fn read(reader: &Reader, files: &mut Files) -> SceneResult<Body> {
     let body = Body {
         boundary: space.map(|space| space.boundary),
         medium: Homogeneous {
-            coefficients: substance.coefficients,
+            coefficients,
             emission,
             phase,
         },
@@ -95,42 +94,23 @@ pub(super) fn read(reader: &Reader, files: &mut Files) -> SceneResult<Body> {
     Ok(body)
 }
 
-/// The properties of a medium, wherever it is.
-struct Substance {
-    /// Absorption and scattering of density 1.
-    coefficients: Coefficients,
-    /// Its density, if that varies.
-    field: Option<Field>,
-    /// Its phase function, if that is given with the density.
-    asymmetry: Option<Asymmetry>,
-}
-
-impl Substance {
-    fn read(reader: &Reader, files: &mut Files) -> SceneResult<Substance> {
-        let Some(block) = densities::procedural(reader, files)? else {
-            return Ok(Substance {
-                coefficients: coefficients(reader)?,
-                field: densities::field(reader, files)?,
-                asymmetry: None,
-            });
-        };
-        for reading in &block.readings {
-            reader.also("procedural", reading);
-        }
-        Ok(Substance {
-            coefficients: block.coefficients,
-            field: Some(Field::Noise(block.density)),
-            asymmetry: block.asymmetry,
-        })
+/// Absorption and scattering of density 1, the density if that varies, and the phase function if it is given with that.
+fn substance(
+    reader: &Reader,
+    files: &mut Files,
+) -> SceneResult<(Coefficients, Option<Field>, Option<Asymmetry>)> {
+    let Some(block) = densities::procedural(reader, files)? else {
+        return Ok((
+            coefficients(reader)?,
+            densities::field(reader, files)?,
+            None,
+        ));
+    };
+    for reading in &block.readings {
+        reader.also("procedural", reading);
     }
-
-    /// The box that the density brings.
-    fn own_box(&self) -> Option<Aabb> {
-        match &self.field {
-            Some(Field::Grid(grid)) => Some(grid.bounds()),
-            _ => None,
-        }
-    }
+    let field = Field::Noise(block.density);
+    Ok((block.coefficients, Some(field), block.asymmetry))
 }
 
 /// Optical depth up to which a heterogeneous medium is tracked. More tentative collisions
