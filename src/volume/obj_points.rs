@@ -30,9 +30,8 @@ pub fn read_obj_points(bytes: &[u8]) -> Result<Vec<CloudPoint>, VolumeFault> {
         let Some((keyword, numbers)) = words.split_first() else {
             continue;
         };
-        match keyword.keyword()? {
-            "v" => points.push(point(keyword, numbers)?),
-            _ => {}
+        if keyword.keyword()? == "v" {
+            points.push(point(keyword, numbers)?);
         }
     }
     if points.is_empty() {

@@ -100,10 +100,13 @@ impl Layer {
     }
 }
 
+/// What a ray passes, from the eye on.
+type LayersAlong<'s> = dyn Fn(&Ray) -> Vec<Layer> + Sync + 's;
+
 /// What rays pass.
 enum Passed<'s> {
     /// Steps, pieces of several volumes, or surfaces.
-    Layers(Box<dyn Fn(&Ray) -> Vec<Layer> + Sync + 's>),
+    Layers(Box<LayersAlong<'s>>),
     /// Volumes without steps, and a surface.
     Integral(Box<RayIntegrator<'s>>),
 }
