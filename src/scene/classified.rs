@@ -4,7 +4,7 @@ use super::SceneResult;
 use super::camera;
 use super::conventions::{CONVENTIONS, Conventions};
 use super::files::Files;
-use super::format::{Key, Kind, Range, Table, joined};
+use super::format::{Key, Kind, Range, Table};
 use super::length::Length;
 use super::mode::{MODE, Mode};
 use super::modulation::MODULATION;
@@ -13,7 +13,7 @@ use super::reader::Reader;
 use super::record::{Choice, Record};
 use super::shadow::Shadow;
 use super::transfer_function::TRANSFER_FUNCTION;
-use super::volume::{PLACED_KEYS, PLACED_RULES};
+use super::volume::{PLACED, PLACED_RULES};
 use crate::geometry::{Aabb, Camera, Surface as _, Transform, length_of};
 use crate::optics::{Appearance, Phong, TransferFunction};
 use crate::volume::{
@@ -23,13 +23,9 @@ use glam::DVec3;
 use std::sync::Arc;
 
 /// The declaration of `[classified]`.
-pub(super) const CLASSIFIED: Table = Table::new("A scalar volume whose densities are mapped to colour and opacity and composited along the ray.").keys(&[
+pub(super) const CLASSIFIED: Table = Table::new("A scalar volume whose densities are mapped to colour and opacity and composited along the ray.").with(&[&MODE]).keys(&[
     Key::required("volume", Kind::OneOrMore(&VOLUME))
         .doc("The densities; in double brackets those of several volumes, at most 64, each with a look of its own."),
-    MODE[0],
-    MODE[1],
-    MODE[2],
-    MODE[3],
     Key::or("interpolation", Kind::Choice(Interpolation::WORDS), "'trilinear'")
         .doc("Interpolation of densities and gradients between nodes."),
     Key::or("compositing", Kind::Choice(&["front-to-back", "back-to-front", CONTINUOUS]), "'front-to-back'")
@@ -55,12 +51,8 @@ pub(super) const CLASSIFIED: Table = Table::new("A scalar volume whose densities
 /// A volume, its place, and what is its own where there are several.
 const VOLUME: Table =
     Table::new("The file a grid of densities comes from, or the formula of its values.")
-        .keys(&VOLUME_KEYS)
-        .rules(&PLACED_RULES);
-
-const VOLUME_KEYS: [Key; 26] = joined(&[
-    &PLACED_KEYS,
-    &[
+        .with(&PLACED)
+        .keys(&[
         Key::optional("name", Kind::Text).doc("Name of the volume, for clips."),
         Key::optional("transfer_function", Kind::Table(&TRANSFER_FUNCTION))
             .doc("Colour and opacity by density of this volume, in place of the scene's."),
@@ -70,8 +62,8 @@ const VOLUME_KEYS: [Key; 26] = joined(&[
             .doc("Shading of this volume, in place of the scene's."),
         Key::optional("modulation", Kind::Table(&MODULATION))
             .doc("Factors of opacities by a second number at each place."),
-    ],
-]);
+    ])
+        .rules(&PLACED_RULES);
 
 /// The choice of `compositing` without samples.
 const CONTINUOUS: &str = "continuous";

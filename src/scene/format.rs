@@ -11,8 +11,10 @@ use serde_json::{Value, json};
 pub struct Table {
     /// What the table describes, one sentence.
     pub doc: &'static str,
-    /// Everything it may hold.
-    pub keys: &'static [Key],
+    /// What it may hold beside the keys that it has in common with others.
+    pub(super) keys: &'static [Key],
+    /// Keys that several tables have in common.
+    pub(super) common: &'static [&'static [Key]],
     /// Rules on keys that exclude or need each other.
     pub rules: &'static [Rule],
 }
@@ -23,6 +25,7 @@ impl Table {
         Table {
             doc,
             keys: &[],
+            common: &[],
             rules: &[],
         }
     }
@@ -30,6 +33,16 @@ impl Table {
     /// The table with these keys.
     pub const fn keys(self, keys: &'static [Key]) -> Table {
         Table { keys, ..self }
+    }
+
+    /// The table with these keys, too, which others have in common with it.
+    pub(crate) const fn with(self, common: &'static [&'static [Key]]) -> Table {
+        Table { common, ..self }
+    }
+
+    /// Everything it may hold.
+    pub(super) fn all(&self) -> impl Iterator<Item = &'static Key> + use<> {
+        self.common.iter().copied().flatten().chain(self.keys)
     }
 
     /// The table with these rules.
@@ -41,11 +54,11 @@ impl Table {
     pub(crate) fn tables_with(&self, name: &str) -> impl Iterator<Item = &'static str> {
         let has_it = move |key: &&Key| match key.kind {
             Kind::Table(table) | Kind::Tables(table) | Kind::OneOrMore(table) => {
-                table.keys.iter().any(|key| key.name == name)
+                table.all().any(|key| key.name == name)
             }
             _ => false,
         };
-        self.keys.iter().filter(has_it).map(|key| key.name)
+        self.all().filter(has_it).map(|key| key.name)
     }
 }
 
@@ -74,22 +87,6 @@ pub struct Key {
     pub absent: Absent,
     /// Quantity and unit, one sentence.
     pub doc: &'static str,
-}
-
-/// The keys of several lists, one list after the other: `N` in all.
-pub(super) const fn joined<const N: usize>(lists: &[&[Key]]) -> [Key; N] {
-    let mut all = [lists[0][0]; N];
-    let (mut at, mut list) = (0, 0);
-    while list < lists.len() {
-        let mut index = 0;
-        while index < lists[list].len() {
-            all[at] = lists[list][index];
-            (at, index) = (at + 1, index + 1);
-        }
-        list += 1;
-    }
-    assert!(at == N);
-    all
 }
 
 impl Key {
@@ -321,8 +318,7 @@ pub fn json_schema(title: &str, root: &'static Table) -> Value {
 
 fn table_schema(root: &'static Table, table: &'static Table, complete: bool) -> Value {
     let properties: serde_json::Map<String, Value> = table
-        .keys
-        .iter()
+        .all()
         .filter(|key| complete || !matches!(key.kind, Kind::Overrides(_)))
         .map(|key| (key.name.to_owned(), key_schema(root, key, complete)))
         .collect();
@@ -333,8 +329,7 @@ fn table_schema(root: &'static Table, table: &'static Table, complete: bool) -> 
         "additionalProperties": false,
     });
     let required: Vec<_> = table
-        .keys
-        .iter()
+        .all()
         .filter(|key| matches!(key.absent, Absent::Error))
         .map(|key| key.name)
         .collect();
@@ -342,7 +337,7 @@ fn table_schema(root: &'static Table, table: &'static Table, complete: bool) -> 
         schema["required"] = json!(required);
     }
     let overrides = |key: &&Key| matches!(key.kind, Kind::Overrides(_));
-    let rules: Vec<Value> = match table.keys.iter().find(overrides) {
+    let rules: Vec<Value> = match table.all().find(overrides) {
         _ if !complete => table.rules.iter().flat_map(limits).collect(),
         None => table.rules.iter().flat_map(demands).collect(),
         // What the file itself lacks, the tables that override it may bring.
@@ -414,7 +409,7 @@ fn number_schema(range: Range) -> Value {
 
 /// The place, in the schema of `at`, of that of a table of which there may be several.
 fn pointer(at: &'static Table, table: &Table, path: &str) -> Option<String> {
-    at.keys.iter().find_map(|key| {
+    at.all().find_map(|key| {
         let path = format!("{path}/properties/{}", key.name);
         match key.kind {
             Kind::Table(inner) => pointer(inner, table, &path),

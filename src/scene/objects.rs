@@ -3,7 +3,7 @@
 use super::SceneResult;
 use super::clip::{CLIP, Clip};
 use super::files::Files;
-use super::format::{Key, Kind, Range, Table, joined};
+use super::format::{Key, Kind, Range, Table};
 use super::modulation::Modulation;
 use super::radiative::shapes;
 use super::reader::Reader;
@@ -19,14 +19,10 @@ pub(super) const MOST: usize = 64;
 
 /// The declaration of `[[classified.surface]]`.
 pub(super) const SURFACE: Table = Table::new("An opaque surface: one shape of one colour, which ends rays; lit as samples are, by Phong's model of `[classified.phong]`, on both sides.")
-    .keys(&SURFACE_KEYS)
+    .with(&shapes::SURFACE_KEYS)
+    .keys(&[Key::required("colour", Kind::Colour(Range::NOT_NEGATIVE))
+        .doc("Linear radiance of the material before shading.")])
     .rules(&[shapes::ONE_SHAPE]);
-
-const SURFACE_KEYS: [Key; 8] = joined(&[
-    &shapes::SURFACE_KEYS,
-    &[Key::required("colour", Kind::Colour(Range::NOT_NEGATIVE))
-        .doc("Linear radiance of the material before shading.")],
-]);
 
 /// Surfaces.
 pub(super) const SURFACES: Key = Key::optional("surface", Kind::Tables(&SURFACE))

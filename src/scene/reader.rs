@@ -145,7 +145,7 @@ impl<'d, 's> Reader<'d, 's> {
 
     /// Refuses keys that are not declared, and those that break a rule.
     fn checked(self) -> SceneResult<Self> {
-        let known = |name: &str| self.declaration.keys.iter().any(|key| key.name == name);
+        let known = |name: &str| self.declaration.all().any(|key| key.name == name);
         if let Some(key) = self.table.keys().find(|key| !known(key.get_ref())) {
             return Err(self.unknown(key));
         }
@@ -166,7 +166,7 @@ impl<'d, 's> Reader<'d, 's> {
 
     fn unknown(&self, key: &Spanned<std::borrow::Cow<'s, str>>) -> Box<SceneError> {
         let name = key.get_ref();
-        let known: Vec<_> = self.declaration.keys.iter().map(|key| key.name).collect();
+        let known: Vec<_> = self.declaration.all().map(|key| key.name).collect();
         let table = self.table_name();
         let within: Vec<_> = self.declaration.tables_with(name).collect();
         let help = if let [within] = within[..] {
@@ -182,7 +182,7 @@ impl<'d, 's> Reader<'d, 's> {
 
     /// The declaration of a key. Asking for one that is not declared is our own mistake.
     fn declared(&self, name: &str) -> &'static Key {
-        let key = self.declaration.keys.iter().find(|key| key.name == name);
+        let key = self.declaration.all().find(|key| key.name == name);
         key.unwrap_or_else(|| panic!("{}.{name} is not declared", self.path))
     }
 

@@ -1,7 +1,7 @@
 //! The file of a grid, and its options.
 
 use super::SceneResult;
-use super::format::{Key, Kind, Range, Rule, Table, joined};
+use super::format::{Key, Kind, Range, Rule, Table};
 use super::node_formula::{FORMULA, FORMULA_KEYS, ORIGIN, SPACING};
 use super::placement::{STEPS, TRANSFORM};
 use super::reader::Reader;
@@ -14,21 +14,14 @@ use std::path::Path;
 
 /// The declaration of a table that names a volume file.
 pub(super) const VOLUME: Table =
-    Table::new("The file a grid of densities comes from.").keys(&FILE_KEYS);
+    Table::new("The file a grid of densities comes from.").with(&[&KEYS]).keys(&[
+        Key::required("file", Kind::Text).doc(FILE),
+        ORIENTATION.doc("Grids only: \"world\" (default) permutes and flips the axes of the file to match the world axes and rejects oblique ones; \"as-stored\" uses them as x, y and z unchanged."),
+        SPACING.doc("For an .npy or .npz file: distance between nodes along x, y and z, world units; 1 if left out."),
+        ORIGIN.doc("For an .npy or .npz file: position of the first node, world units; the origin if left out."),
+    ]);
 
-const FILE_KEYS: [Key; 10] = joined(&[
-    &KEYS,
-    &[
-        SPACING.doc(
-            "For an .npy or .npz file: distance between nodes along x, y and z, world units; 1 if left out.",
-        ),
-        ORIGIN.doc(
-            "For an .npy or .npz file: position of the first node, world units; the origin if left out.",
-        ),
-    ],
-]);
-
-/// Rules of [`PLACED_KEYS`].
+/// Rules of [`PLACED`].
 pub(super) const PLACED_RULES: [Rule; 4] = [
     Rule::ExactlyOne("source", &["file", "field"]),
     Rule::Apart([&["file"], &FORMULA_KEYS]),
@@ -46,18 +39,23 @@ const OF_FILES: &[&str] = &[
     "axes",
 ];
 
-/// The same, or a formula, with a map that places the volume in the world.
-pub(super) const PLACED_KEYS: [Key; 21] = {
-    let [a, b, c, d, e, f, g, h] = KEYS;
-    let a = Key::optional(a.name, a.kind).doc(a.doc);
-    let f = f.doc("Grids only: \"world\" (default) keeps the axes of the file where it places them in the world; \"as-stored\" uses them as x, y and z unchanged.");
-    let of_a_file = [a, b, c, d, e, f, g, h, TRANSFORM];
-    joined(&[&of_a_file, &STEPS, &FORMULA])
-};
+/// The keys of a file, or of a formula, with a map that places the volume in the world.
+pub(super) const PLACED: [&[Key]; 4] = [
+    &KEYS,
+    &[
+        Key::optional("file", Kind::Text).doc(FILE),
+        ORIENTATION.doc("Grids only: \"world\" (default) keeps the axes of the file where it places them in the world; \"as-stored\" uses them as x, y and z unchanged."),
+        TRANSFORM,
+    ],
+    &STEPS,
+    &FORMULA,
+];
 
-const KEYS: [Key; 8] = [
-    Key::required("file", Kind::Text)
-        .doc("Point cloud or grid, in a format that `volref info --help` lists, relative to the folder of the scene."),
+const FILE: &str = "Point cloud or grid, in a format that `volref info --help` lists, relative to the folder of the scene.";
+
+const ORIENTATION: Key = Key::optional("orientation", Kind::Choice(&["world", "as-stored"]));
+
+const KEYS: [Key; 6] = [
     Key::derived("resolution", Kind::Count(2, 4096), "one point per voxel, on average")
         .doc("Point clouds only: nodes along the longest side of the grid the points are splatted to, padding included."),
     Key::or("padding", Kind::Count(0, 1024), "2")
@@ -66,8 +64,6 @@ const KEYS: [Key; 8] = [
         .doc("Grids only: whether the box ends at the outermost nodes, or half a voxel beyond them; a .vol keeps its box, all others their nodes. If left out, as the file says, or else nodes."),
     Key::optional("replace_non_finite", Kind::Number(Range::STORED))
         .doc("Grids only: the value that takes the place of NaN and infinity. If left out, they are an error."),
-    Key::optional("orientation", Kind::Choice(&["world", "as-stored"]))
-        .doc("Grids only: \"world\" (default) permutes and flips the axes of the file to match the world axes and rejects oblique ones; \"as-stored\" uses them as x, y and z unchanged."),
     Key::optional("detached_anywhere", Kind::Flag)
         .doc("Grids only: whether a header may name a data file outside its own folder, directly or through a symbolic link. Default: false."),
     Key::optional("axes", Kind::Choice(AxisOrder::WORDS))

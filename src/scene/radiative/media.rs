@@ -5,16 +5,17 @@ use crate::geometry::{Surface, length_of};
 use crate::optics::{Asymmetry, Coefficients, Density, Field, Homogeneous, optical_depth};
 use crate::scene::SceneResult;
 use crate::scene::files::Files;
-use crate::scene::format::{Key, Kind, Range, Rule, Table, joined};
+use crate::scene::format::{Key, Kind, Range, Rule, Table};
 use crate::scene::reader::Reader;
 use glam::DVec3;
 
 /// The declaration of `[[radiative.medium]]`.
-pub(super) const MEDIUM: Table = Table::new("A participating medium in a closed shape; without a shape it fills all space. It is homogeneous unless a density is given; then coefficients and emission are those of density 1, and the density is transformed with the shape. Overlapping media add up.").keys(&joined::<21>(&[
+pub(super) const MEDIUM: Table = Table::new("A participating medium in a closed shape; without a shape it fills all space. It is homogeneous unless a density is given; then coefficients and emission are those of density 1, and the density is transformed with the shape. Overlapping media add up.").with(&[
     &shapes::CLOSED,
     &shape_transform::STEPS,
     &densities::DENSITIES,
-    &[
+    &phases::PHASES,
+]).keys(&[
         Key::or("sigma_a", Kind::Colour(Range::NOT_NEGATIVE), "[0.0, 0.0, 0.0]")
             .doc("Absorption per world length."),
         Key::or("sigma_s", Kind::Colour(Range::NOT_NEGATIVE), "[0.0, 0.0, 0.0]")
@@ -25,9 +26,7 @@ pub(super) const MEDIUM: Table = Table::new("A participating medium in a closed 
             .doc("Fraction of the extinction that scatters, sigma_s / sigma_t, in [0, 1]; to give coefficients, write `sigma_a` and `sigma_s`."),
         Key::or("emission", Kind::Colour(Range::NOT_NEGATIVE), "[0.0, 0.0, 0.0]")
             .doc("Radiance emitted per world length."),
-    ],
-    &phases::PHASES,
-])).rules(&[
+]).rules(&[
     Rule::AtMostOne("shape", &["sphere", "box", "mesh"]),
     Rule::AtMostOne("density", &densities::KEYS),
     Rule::AtMostOne("phase function", &phases::KEYS),

@@ -6,7 +6,7 @@ use crate::geometry::{
     Transform, length_of,
 };
 use crate::scene::files::Files;
-use crate::scene::format::{Key, Kind, Range, Rule, Table, joined};
+use crate::scene::format::{Key, Kind, Range, Rule, Table};
 use crate::scene::reader::Reader;
 use crate::scene::record::Record;
 use crate::scene::{SceneError, SceneResult};
@@ -51,14 +51,14 @@ pub(super) const CLOSED: [Key; 3] = [
 pub(in crate::scene) const BOX: Key = CLOSED[1];
 
 /// Keys of a surface: one shape, moved.
-pub(in crate::scene) const SURFACE_KEYS: [Key; 7] = joined(&[
+pub(in crate::scene) const SURFACE_KEYS: [&[Key]; 3] = [
     &[
         Key::optional("rectangle", Kind::Table(&RectangleTable::TABLE))
             .doc("Shape: a rectangle or parallelogram."),
     ],
     &CLOSED,
     &shape_transform::STEPS,
-]);
+];
 
 /// The rule of those keys.
 pub(in crate::scene) const ONE_SHAPE: Rule =

@@ -4,30 +4,26 @@ use super::{AreaLight, Object, Radiative, check_radiance, shapes};
 use crate::optics::{Material, Sides};
 use crate::scene::SceneResult;
 use crate::scene::files::Files;
-use crate::scene::format::{Key, Kind, Range, Rule, Table, joined};
+use crate::scene::format::{Key, Kind, Range, Rule, Table};
 use crate::scene::reader::Reader;
 use crate::scene::record::{Choice, Record};
 use glam::DVec3;
 
 /// The declaration of `[[radiative.surface]]`.
 pub(super) const SURFACE: Table = Table::new("A surface: one shape and its material.")
-    .keys(&KEYS)
-    .rules(&[
-        shapes::ONE_SHAPE,
-        Rule::ExactlyOne("material", &["diffuse", "mirror", "glass", "emitter"]),
-    ]);
-
-const KEYS: [Key; 11] = joined(&[
-    &shapes::SURFACE_KEYS,
-    &[
+    .with(&shapes::SURFACE_KEYS)
+    .keys(&[
         Key::optional("diffuse", Kind::Table(&DIFFUSE))
             .doc("Material: reflects with the same radiance in every direction."),
         Key::optional("mirror", Kind::Table(&MIRROR))
             .doc("Material: reflects as a perfect mirror."),
         Key::optional("glass", Kind::Table(&Glass::TABLE)).doc("Material: smooth, clear glass."),
         Key::optional("emitter", Kind::Table(&Emitter::TABLE)).doc("Material: emits light."),
-    ],
-]);
+    ])
+    .rules(&[
+        shapes::ONE_SHAPE,
+        Rule::ExactlyOne("material", &["diffuse", "mirror", "glass", "emitter"]),
+    ]);
 
 choice! { impl Sides { Front = "front", Both = "both", } }
 
