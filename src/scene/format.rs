@@ -12,7 +12,7 @@ pub struct Table {
     /// What the table describes, one sentence.
     pub doc: &'static str,
     /// What it may hold beside the keys that it has in common with others.
-    pub(super) keys: &'static [Key],
+    pub keys: &'static [Key],
     /// Keys that several tables have in common.
     pub(super) common: &'static [&'static [Key]],
     /// Rules on keys that exclude or need each other.

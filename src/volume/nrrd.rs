@@ -383,7 +383,7 @@ mod tests {
             (
                 "type: uchar",
                 "type: block",
-                "2: samples of type block are not numbers",
+                "2: `type` must be a type of the format",
             ),
             (
                 "type: uchar",
@@ -429,17 +429,17 @@ mod tests {
             (
                 "encoding: raw",
                 "encoding: hex",
-                "5: the encoding is hex, and raw, gzip and text",
+                "5: the encoding is \"hex\", and raw, gzip and text",
             ),
             (
                 "encoding: raw",
                 "encoding: bz2",
-                "5: the encoding is bzip2, and raw",
+                "5: the encoding is \"bzip2\", and raw",
             ),
             (
                 "encoding: raw",
                 "encoding: zip",
-                "5: \"zip\" is not an encoding of the format",
+                "5: the encoding is \"zip\", and raw",
             ),
             (
                 "NRRD0004",

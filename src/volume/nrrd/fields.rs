@@ -157,9 +157,6 @@ fn element(fields: &HeaderFields) -> Result<Element, VolumeFault> {
     let field = required(fields, "type")?;
     let words: Vec<&str> = field.value.split_ascii_whitespace().collect();
     let written = words.join(" ").to_ascii_lowercase();
-    if written == "block" {
-        return Err(field.fault("samples of type block are not numbers"));
-    }
     let mut types = TYPES.iter();
     let found = types.find(|(_, names)| is_listed(names, &written));
     let expected = "a type of the format, such as uint8, short or float";
@@ -170,20 +167,12 @@ fn element(fields: &HeaderFields) -> Result<Element, VolumeFault> {
 
 fn encoding(fields: &HeaderFields) -> Result<Encoding, VolumeFault> {
     let field = required(fields, "encoding")?;
-    let unread = |name| {
-        field.fault(&format!(
-            "the encoding is {name}, and raw, gzip and text are read: write the file again as \
-             one"
-        ))
-    };
     match field.value.to_ascii_lowercase().as_str() {
         "raw" => Ok(Encoding::Raw),
         "gzip" | "gz" => Ok(Encoding::Gzip),
         "txt" | "text" | "ascii" => Ok(Encoding::Text),
-        "hex" => Err(unread("hex")),
-        "bzip2" | "bz2" => Err(unread("bzip2")),
         _ => Err(field.fault(&format!(
-            "{:?} is not an encoding of the format: known are raw, gzip, text, hex and bzip2",
+            "the encoding is {:?}, and raw, gzip and text are read: write the file again as one",
             shortened(field.value)
         ))),
     }
