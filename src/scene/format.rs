@@ -337,16 +337,20 @@ fn table_schema(root: &'static Table, table: &'static Table, complete: bool) -> 
         schema["required"] = json!(required);
     }
     let overrides = |key: &&Key| matches!(key.kind, Kind::Overrides(_));
+    let schemas = |complete| {
+        table
+            .rules
+            .iter()
+            .flat_map(move |it| rule_schemas(it, complete))
+    };
     let rules: Vec<Value> = match table.all().find(overrides) {
-        _ if !complete => table.rules.iter().flat_map(limits).collect(),
-        None => table.rules.iter().flat_map(demands).collect(),
         // What the file itself lacks, the tables that override it may bring.
-        Some(key) => {
-            let demands: Vec<Value> = table.rules.iter().flat_map(demands).collect();
+        Some(key) if complete => {
+            let demands: Vec<Value> = schemas(true).collect();
             let either = json!({ "anyOf": [{ "required": [key.name] }, { "allOf": demands }] });
-            let limits = table.rules.iter().flat_map(limits);
-            limits.chain([either]).collect()
+            schemas(false).chain([either]).collect()
         }
+        _ => schemas(complete).collect(),
     };
     if !rules.is_empty() {
         schema["allOf"] = json!(rules);
@@ -354,33 +358,15 @@ fn table_schema(root: &'static Table, table: &'static Table, complete: bool) -> 
     schema
 }
 
-/// What a rule says about a table that is complete: schemas that must all hold.
-fn demands(rule: &Rule) -> Vec<Value> {
-    match rule {
-        Rule::ExactlyOne(_, keys) => {
-            let one: Vec<_> = keys
-                .iter()
-                .map(|key| json!({ "required": [key] }))
-                .collect();
-            vec![json!({ "oneOf": one })]
-        }
-        Rule::Together(keys) => {
-            let needs = keys.iter().map(|key| {
-                let others: Vec<_> = keys.iter().filter(|other| *other != key).collect();
-                ((*key).to_owned(), json!(others))
-            });
-            let needs: serde_json::Map<String, Value> = needs.collect();
-            vec![json!({ "dependentRequired": needs })]
-        }
-        Rule::AtMostOne(..) | Rule::Apart(_) => limits(rule),
-    }
-}
-
-/// What a rule says about a table whose keys stand beside those of another: schemas that must
-/// all hold.
-fn limits(rule: &Rule) -> Vec<Value> {
+/// What a rule says about a table, or about one whose keys stand beside those of another, which is not complete:
+/// schemas that must all hold.
+fn rule_schemas(rule: &Rule, complete: bool) -> Vec<Value> {
     let not_both = |a: &str, b: &str| json!({ "not": { "required": [a, b] } });
     match rule {
+        Rule::ExactlyOne(_, keys) if complete => {
+            let one = keys.iter().map(|key| json!({ "required": [key] }));
+            vec![json!({ "oneOf": one.collect::<Vec<_>>() })]
+        }
         Rule::ExactlyOne(_, keys) | Rule::AtMostOne(_, keys) => {
             let pairs = keys.iter().enumerate();
             pairs
@@ -391,7 +377,15 @@ fn limits(rule: &Rule) -> Vec<Value> {
             let pairs = left.iter().flat_map(|a| right.iter().map(move |b| (a, b)));
             pairs.map(|(a, b)| not_both(a, b)).collect()
         }
-        Rule::Together(_) => Vec::new(),
+        Rule::Together(keys) if complete => {
+            let needs = keys.iter().map(|key| {
+                let others: Vec<_> = keys.iter().filter(|other| *other != key).collect();
+                ((*key).to_owned(), json!(others))
+            });
+            let needs: serde_json::Map<String, Value> = needs.collect();
+            vec![json!({ "dependentRequired": needs })]
+        }
+        Rule::Together(_) => vec![],
     }
 }
 

@@ -21,32 +21,11 @@ use std::io::BufRead;
 use strsim::damerau_levenshtein;
 
 /// Fields that are read.
-const READ: [&str; 24] = [
-    "ObjectType",
-    "NDims",
-    "DimSize",
-    "ElementType",
-    "ElementNumberOfChannels",
-    "ElementToIntensityFunctionSlope",
-    "ElementToIntensityFunctionOffset",
-    "ElementSpacing",
-    "ElementSize",
-    "BinaryData",
-    "ElementByteOrderMSB",
-    "BinaryDataByteOrderMSB",
-    "CompressedData",
-    "CompressedDataSize",
-    "HeaderSize",
-    "ElementDataFile",
-    OFFSETS[0],
-    OFFSETS[1],
-    OFFSETS[2],
-    OFFSETS[3],
-    MATRICES[0],
-    MATRICES[1],
-    MATRICES[2],
-    MATRICES[3],
-];
+const READ: &str = "\
+    ObjectType NDims DimSize ElementType ElementNumberOfChannels ElementToIntensityFunctionSlope \
+    ElementToIntensityFunctionOffset ElementSpacing ElementSize BinaryData ElementByteOrderMSB \
+    BinaryDataByteOrderMSB CompressedData CompressedDataSize HeaderSize ElementDataFile \
+    Offset Position Origin ElementOrigin TransformMatrix Rotation Orientation ElementDirection";
 
 /// Names of the position of the first sample.
 const OFFSETS: [&str; 4] = ["Offset", "Position", "Origin", "ElementOrigin"];
@@ -172,9 +151,10 @@ impl Fields {
             ))
         })?;
         let name = name.trim();
-        let Some(field) = READ.into_iter().find(|field| *field == name) else {
+        let known = || READ.split_ascii_whitespace();
+        let Some(field) = known().find(|field| *field == name) else {
             // Programs add fields of their own, so only what is meant for another one is wrong.
-            let near = nearest(name, READ).filter(|near| {
+            let near = nearest(name, known()).filter(|near| {
                 let [near, name] = [near, name].map(str::to_ascii_lowercase);
                 damerau_levenshtein(&near, &name) <= 2
             });
