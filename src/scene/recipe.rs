@@ -1,9 +1,9 @@
 //! A scene that shows a volume file, as people first want to see it.
 
-use crate::geometry::{Aabb, Transform};
+use crate::geometry::Aabb;
 use crate::math::linear_to_srgb;
 use crate::optics::Colormap;
-use crate::volume::{Content, PlacedBox, volume_format};
+use crate::volume::{Content, volume_format};
 use crate::volume::{Grid, LoadOptions, Loaded, NonFinite, Orientation, Stored, load_hashed};
 use glam::DVec3;
 use std::path::Path;
@@ -39,30 +39,48 @@ const POINTS: usize = 9;
 impl Recipe {
     /// The text of a scene of the volume file at `path`, which the scene calls `file`.
     pub fn text(&self, path: &Path, file: &str) -> Result<String, String> {
-        let options = LoadOptions {
-            non_finite: NonFinite::Kept,
-            orientation: Orientation::Oblique,
-            ..LoadOptions::default()
+        let loaded = |non_finite| {
+            let options = LoadOptions {
+                non_finite,
+                orientation: Orientation::Oblique,
+                ..LoadOptions::default()
+            };
+            load_hashed(path, &options).map_err(|error| error.to_string())
         };
-        let loaded = load_hashed(path, &options).map_err(|error| error.to_string())?;
-        let (grid, lowest) = finite(&loaded.grid, path)?;
-        let scale = self.scale(&loaded, path)?;
-        let bounds = placed_bounds(&grid, loaded.to_world, scale);
+        let mut volume = loaded(NonFinite::Kept)?;
+        let is_finite = |value: &f32| value.is_finite();
+        let lowest = volume.grid.values().iter().copied().filter(is_finite);
+        let lowest = lowest.min_by(f32::total_cmp).ok_or_else(|| {
+            format!(
+                "{}: no value is finite: there is nothing to show",
+                path.display()
+            )
+        })?;
+        let is_whole = volume.grid.values().iter().all(is_finite);
+        if !is_whole {
+            volume = loaded(NonFinite::Replaced(lowest))?;
+        }
+        let grid = &volume.grid;
+        let scale = self.scale(&volume, path)?;
+        let bounds = grid.lattice().bounds();
+        let bounds = volume.to_world.map_or(bounds, |map| map.bounds(&bounds));
+        let [min, max] = [bounds.min, bounds.max].map(|it| it * scale.unwrap_or(DVec3::ONE));
+        let bounds = Aabb { min, max };
+        let [width, height] = self.size.unwrap_or(SIZE);
         let is_upright = is_of_graphics(path);
         let axis = if is_upright { 2 } else { 1 };
         let mut text = format!(
-            "# Written by `volref render`.\n\n[film]\n{}\n[camera]\n{}{}\n[classified]\n",
-            self.film(),
+            "# Written by `volref render`.\n\n[film]\nwidth = {width}\nheight = {height}\n\n[camera]\n{}{}\n[classified]\n",
             if is_upright { "" } else { "up = [0, 0, 1]\n" },
-            self.angles(&loaded),
+            self.angles(&volume),
         );
         let range = match self.range {
             Some(range) => range,
-            None => shortest(self.shown(&grid, axis, &bounds)),
+            None => shortest(self.shown(grid, axis, &bounds)),
         };
-        text += &self.look(&grid, range, &bounds);
+        text += &self.look(grid, range, &bounds);
         text += &format!("\n[classified.volume]\nfile = {}\n", quoted(file));
-        if let Some(lowest) = lowest {
+        if !is_whole {
             text += &format!("replace_non_finite = {lowest}\n");
         }
         if let Some(scale) = scale {
@@ -71,25 +89,18 @@ impl Recipe {
         Ok(text)
     }
 
-    fn film(&self) -> String {
-        let [width, height] = self.size.unwrap_or(SIZE);
-        format!("width = {width}\nheight = {height}\n")
-    }
-
     /// Place of the eye: from the front and, of what has a surface, a little from the side and above. The front of a
     /// scan is its patient's: the axis y points to the back of that, but for RAS+.
     fn angles(&self, loaded: &Loaded) -> String {
-        let is_projection = self.projects();
         let to_back = match &loaded.stored {
             Stored::Samples { layout } => {
                 layout.space.is_some_and(|space| space.starts_with("RAS"))
             }
             Stored::Cloud { .. } => false,
         };
-        let [aside, above] = if is_projection {
-            [0.0, 0.0]
-        } else {
-            [30.0, 20.0]
+        let [aside, above] = match self.mode.as_deref() {
+            None | Some("isosurface") => [30.0, 20.0],
+            Some(_) => [0.0, 0.0],
         };
         let front = if to_back { 180.0 } else { 0.0 };
         let azimuth = self.azimuth.unwrap_or(front + aside);
@@ -97,27 +108,17 @@ impl Recipe {
         format!("azimuth = {azimuth}\nelevation = {elevation}\n")
     }
 
-    /// True of a mode that shows one number of a ray.
-    fn projects(&self) -> bool {
-        self.mode
-            .as_deref()
-            .is_some_and(|mode| mode != "isosurface")
-    }
-
     /// Factors from the spacing of the file to the one asked for.
     fn scale(&self, loaded: &Loaded, path: &Path) -> Result<Option<DVec3>, String> {
-        let Some(spacing) = self.spacing else {
-            return Ok(None);
-        };
-        let why = match &loaded.stored {
-            Stored::Cloud { .. } => "a point cloud has positions, and no spacing",
+        let why = match (self.spacing, &loaded.stored) {
+            (None, _) => return Ok(None),
+            (_, Stored::Cloud { .. }) => "a point cloud has positions, and no spacing",
             _ if loaded.to_world.is_some() => {
                 "its axes are oblique, and its own map states their lengths"
             }
-            _ => {
-                return Ok(Some(
-                    DVec3::from_array(spacing) / loaded.grid.lattice().spacing(),
-                ));
+            (Some(spacing), _) => {
+                let own = loaded.grid.lattice().spacing();
+                return Ok(Some(DVec3::from_array(spacing) / own));
             }
         };
         Err(format!("--spacing: {}: {why}", path.display()))
@@ -125,17 +126,13 @@ impl Recipe {
 
     /// The range of what the mode shows: values, or means or sums of them along the `axis` of the view.
     fn shown(&self, grid: &Grid<f32>, axis: usize, bounds: &Aabb) -> [f64; 2] {
-        let mode = self.mode.as_deref();
-        if !matches!(mode, Some("mean" | "sum")) {
-            return grid.usual_range();
-        }
-        let [low, high] = grid.means_along(axis).usual_range();
-        let length = if mode == Some("sum") {
-            bounds.size()[axis]
-        } else {
-            1.0
+        let length = match self.mode.as_deref() {
+            Some("mean") => 1.0,
+            Some("sum") => bounds.size()[axis],
+            _ => return grid.usual_range(),
         };
-        [low * length, high * length]
+        let means = grid.means_along(axis).usual_range();
+        means.map(|mean| mean * length)
     }
 
     /// The keys of `[classified]` and the tables of the look.
@@ -194,48 +191,10 @@ impl Recipe {
     }
 }
 
-/// The grid of finite values, and the lowest of them if it takes the place of any others.
-fn finite(grid: &Grid<f32>, path: &Path) -> Result<(Grid<f32>, Option<f32>), String> {
-    let finite = grid
-        .values()
-        .iter()
-        .copied()
-        .filter(|value| value.is_finite());
-    let Some(lowest) = finite.min_by(f32::total_cmp) else {
-        return Err(format!(
-            "{}: no value is finite: there is nothing to show",
-            path.display()
-        ));
-    };
-    if grid.values().iter().all(|value| value.is_finite()) {
-        return Ok((grid.clone(), None));
-    }
-    let replaced = |&value: &f32| if value.is_finite() { value } else { lowest };
-    let values = grid.values().iter().map(replaced).collect();
-    let grid = Grid::new(*grid.lattice(), values).expect("as many values");
-    Ok((grid, Some(lowest)))
-}
-
-fn placed_bounds(grid: &Grid<f32>, to_world: Option<Transform>, scale: Option<DVec3>) -> Aabb {
-    let placed = PlacedBox {
-        bounds: grid.lattice().bounds(),
-        to_world,
-    };
-    let bounds = placed.world_bounds();
-    let scale = scale.unwrap_or(DVec3::ONE);
-    Aabb {
-        min: bounds.min * scale,
-        max: bounds.max * scale,
-    }
-}
-
 /// True of formats of graphics, in which y points up; in those of scans and of arrays z does.
 fn is_of_graphics(path: &Path) -> bool {
     volume_format(path).is_some_and(|format| {
-        matches!(format.content, Content::Points)
-            || [[".bin"], [".vol"]]
-                .iter()
-                .any(|of| format.extensions == of)
+        format.content == Content::Points || [".bin", ".vol"].contains(&format.extensions[0])
     })
 }
 
@@ -257,12 +216,8 @@ fn quoted(text: &str) -> String {
 
 /// The colour of a named map at a position, as a key of a scene.
 fn linear(colormap: &str, position: f64) -> String {
-    let colour = Colormap::named(colormap)
-        .expect("a declared name")
-        .at(position);
-    let codes = colour
-        .to_array()
-        .map(|channel| (linear_to_srgb(channel) * 255.0).round() as u8);
-    let [red, green, blue] = codes;
+    let colormap = Colormap::named(colormap).expect("a declared name");
+    let code = |channel| (linear_to_srgb(channel) * 255.0).round() as u8;
+    let [red, green, blue] = colormap.at(position).to_array().map(code);
     format!("\"#{red:02x}{green:02x}{blue:02x}\"")
 }
