@@ -19,10 +19,8 @@ impl Classified {
     /// True if a renderer has its conventions: of several objects, none; of one volume among surfaces and clips, or of
     /// several that are sampled by common steps, all.
     pub(crate) fn has_conventions_that_are_rendered(&self) -> bool {
-        let is_of_merged = self
-            .conventions
-            .fault
-            .is_some_and(Fault::is_of_merged_objects);
+        let fault = self.conventions.fault;
+        let is_of_merged = fault.is_some_and(Fault::is_of_merged_objects);
         !self.has_objects()
             || self.is_merged()
             || self.is_sampled_by(&self.conventions) && !is_of_merged
@@ -32,11 +30,9 @@ impl Classified {
     /// these are merged.
     pub(crate) fn is_merged(&self) -> bool {
         let ends_early = matches!(self.compositing, Compositing::EarlyTermination(_));
+        let fault = self.conventions.fault;
         let own = Conventions {
-            fault: self
-                .conventions
-                .fault
-                .filter(|it| it.is_of_merged_objects()),
+            fault: fault.filter(|it| it.is_of_merged_objects()),
             ..Conventions::default()
         };
         self.conventions == own && !ends_early
@@ -94,11 +90,8 @@ impl Classified {
             objects: Objects::default(),
             ..self.clone()
         };
-        if let Some(volume) = index
-            .checked_sub(1)
-            .map(|index| &self.objects.volumes[index])
-        {
-            alone.swap(&mut volume.clone());
+        if index > 0 {
+            alone.swap(&mut self.objects.volumes[index - 1].clone());
         }
         alone
     }
@@ -192,7 +185,21 @@ impl Classified {
         reader: &Reader,
         names: &[Option<String>],
     ) -> SceneResult<()> {
-        self.check_objects_of_mode(reader)?;
+        let Objects {
+            volumes,
+            surfaces,
+            modulation,
+            ..
+        } = &self.objects;
+        let is_one_volume = volumes.is_empty() && surfaces.is_empty() && modulation.is_none();
+        let with = match self.objects.are_modulation_alone() {
+            true => "modulated opacities",
+            false => "several volumes, surfaces or clips",
+        };
+        refuse! { reader:
+            "mode" if self.mode != Mode::Composited && !is_one_volume, format!("with {with} samples are composited"),
+                "leave `mode` out, or what stands beside the volume, or modulates it; clips may stay";
+        }
         self.check_clips(reader, names)?;
         let keys = self.conventions.keys_of_objects();
         if !self.has_objects() {
@@ -204,10 +211,6 @@ impl Classified {
             }
             return Ok(());
         }
-        let with = match self.objects.are_modulation_alone() {
-            true => "modulated opacities",
-            false => "several volumes, surfaces or clips",
-        };
         let mut volumes = 0..self.volume_count();
         let is_modulated = volumes.any(|index| self.modulation_of(index).is_some());
         let is_ordinary = self.has_conventions_that_are_rendered();
@@ -229,22 +232,6 @@ impl Classified {
         }
         self.check_common_steps()
             .map_err(|message| reader.error("conventions", message))
-    }
-
-    /// Refuses projections and isosurfaces of more than one volume and clips.
-    fn check_objects_of_mode(&self, reader: &Reader) -> SceneResult<()> {
-        let is_one_volume = self.objects.volumes.is_empty()
-            && self.objects.surfaces.is_empty()
-            && self.objects.modulation.is_none();
-        let with = match self.objects.are_modulation_alone() {
-            true => "modulated opacities",
-            false => "several volumes or surfaces",
-        };
-        refuse! { reader:
-            "mode" if self.mode != Mode::Composited && !is_one_volume, format!("with {with} samples are composited"),
-                "leave `mode` out, or what stands beside the volume, or modulates it; clips may stay";
-        }
-        Ok(())
     }
 
     /// Refuses clips that leave nothing of a volume.

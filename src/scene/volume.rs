@@ -74,6 +74,25 @@ choice! { impl Centring { Nodes = "nodes", Cells = "cells", } }
 choice! { impl AxisOrder { Zyx = "zyx", Xyz = "xyz", } }
 choice! { impl Interpolation { Trilinear = "trilinear", Nearest = "nearest", } }
 
+/// Keys that files of some contents alone take, and what these are called.
+const TAKEN: [(&str, &[Content], &str); 9] = [
+    ("resolution", &[Content::Points], "point clouds"),
+    ("padding", &[Content::Points], "point clouds"),
+    ("centring", GRIDS, "grids"),
+    ("replace_non_finite", GRIDS, "grids"),
+    ("orientation", GRIDS, "grids"),
+    ("detached_anywhere", GRIDS, "grids"),
+    ("spacing", &[Content::Array], ".npy and .npz files"),
+    ("origin", &[Content::Array], ".npy and .npz files"),
+    (
+        "axes",
+        &[Content::Samples, Content::Array],
+        "arrays and raw samples",
+    ),
+];
+
+const GRIDS: &[Content] = &[Content::Grid, Content::Samples, Content::Array];
+
 /// The request of a table that names a volume file.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct VolumeRequest {
@@ -102,41 +121,10 @@ impl VolumeRequest {
         let mut options = LoadOptions::default();
         // A file in no known format is reported when it is loaded.
         let content = format.map(|format| format.content);
-        let misplaced: [(&[&'static str], &[Content], _); 4] = [
-            (
-                &["resolution", "padding"],
-                &[Content::Grid, Content::Samples, Content::Array],
-                format!("point clouds; {file:?} brings a grid of its own"),
-            ),
-            (
-                &[
-                    "centring",
-                    "replace_non_finite",
-                    "orientation",
-                    "detached_anywhere",
-                ],
-                &[Content::Points],
-                format!("grids; {file:?} is a point cloud"),
-            ),
-            (
-                &["spacing", "origin"],
-                &[Content::Points, Content::Grid, Content::Samples],
-                format!(".npy and .npz files; {file:?} states its own"),
-            ),
-            (
-                &["axes"],
-                &[Content::Points, Content::Grid],
-                format!(
-                    "arrays and raw samples; the format of {file:?} says in which order its values are"
-                ),
-            ),
-        ];
-        for (keys, without, what) in misplaced {
-            if let Some(key) = reader
-                .first_of(keys)
-                .filter(|_| content.is_some_and(|it| without.contains(&it)))
-            {
-                return Err(reader.error(key, format!("`{key}` applies to {what}")));
+        for (key, by, what) in TAKEN {
+            if reader.has(key) && content.is_some_and(|it| !by.contains(&it)) {
+                let message = format!("`{key}` applies to {what}; {file:?} is none of these");
+                return Err(reader.error(key, message));
             }
         }
         options.splatting.padding = 0;

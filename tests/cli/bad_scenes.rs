@@ -370,7 +370,7 @@ fn missing_and_contradictory() {
     scene.toml:9:1: missing key `reference_step` in [classified.shadow] help: `classified.shadow.reference_step`: Path length over which a density of 1 adds 1 to the shadow sum S (with a table of points: over which its opacities apply), world units or voxels; smaller is darker.
     scene.toml:9:1: the file has more than one model: [classified], [curve] help: keep exactly one of [classified], [curve]
     scene.toml: the file has no model help: give one of [classified], [radiative], [curve]
-    scene.toml:12:14: `resolution` applies to point clouds; "cloud.bin" brings a grid of its own help: `classified.volume.resolution`: Point clouds only: nodes along the longest side of the grid the points are splatted to, padding included.
+    scene.toml:12:14: `resolution` applies to point clouds; "cloud.bin" is none of these help: `classified.volume.resolution`: Point clouds only: nodes along the longest side of the grid the points are splatted to, padding included.
     scene.toml:9:7: the camera is at its target, so it has no direction help: `camera.eye`: Position of the camera, world units; required in a radiative scene.
     scene.toml:11:6: `up` must not be zero or parallel to the viewing direction help: `camera.up`: The direction that points up in the image, any length.
     scene.toml:9:6: `up` must not be zero or parallel to the viewing direction help: `camera.up`: The direction that points up in the image, any length.
@@ -859,7 +859,7 @@ fn volumes_surfaces_and_clips() {
     broken.toml:12:1: several volumes follow these conventions only where they are sampled by common steps help: add `volume_steps = "common"`, or leave the keys out
     broken.toml:6:15: with several volumes, surfaces or clips samples are composited front to back help: leave `compositing` out: the order changes no more than rounding
     broken.toml:6:21: with several volumes, surfaces or clips no ray is ended early help: leave the key out
-    broken.toml:6:8: with several volumes or surfaces samples are composited help: leave `mode` out, or what stands beside the volume, or modulates it; clips may stay
+    broken.toml:6:8: with several volumes, surfaces or clips samples are composited help: leave `mode` out, or what stands beside the volume, or modulates it; clips may stay
     broken.toml:11:8: another volume has this name, too help: give each volume a name of its own
     broken.toml:12:8: a step of 1e-30 world units means up to 4.9e30 samples on a ray through a volume 4.9244 across; at most 1e8 are accepted help: `classified.volume[1].step`: Distance between samples of this volume, in place of the scene's: world units or voxels of its own.
     broken.toml:6:1: this volume has no transfer function, and others have one of their own help: give [classified.volume.transfer_function] after it, or [transfer_function] for all volumes without one: an empty table is the formula with its defaults

@@ -308,17 +308,17 @@ fn keys_of_volume_files() {
 
     for row in r#"
 file = "grid.npy"; spacing = [1, 0, 1] | :5:11: the node spacing must be positive and finite on every axis
-file = "nan.vol"; spacing = [1, 1, 1] | :5:11: `spacing` applies to .npy and .npz files; "nan.vol" states its own
+file = "nan.vol"; spacing = [1, 1, 1] | :5:11: `spacing` applies to .npy and .npz files; "nan.vol" is none of these
 file = "grid.npy"; nodes = [1, 1, 1] | `nodes`
-file = "nan.vol"; axes = "xyz" | :5:8: `axes` applies to arrays and raw samples; the format of "nan.vol" says in which order
+file = "nan.vol"; axes = "xyz" | :5:8: `axes` applies to arrays and raw samples; "nan.vol" is none of these
 file = "two.obj"; axes = "zyx" | :5:8: `axes` applies to arrays and raw samples
 file = "grid.npy"; axes = "yxz" | `axes`
 file = "a\b.vol" | there is no such file; in double quotes `\t`, `\n` and the like are single letters
 file = "a\q.vol" | :4:11: missing escaped value
 file = "nan.vol" | :4:8: 
 file = "nan.vol" | voxel (1, 0, 0), counted as stored, holds NaN: values must be finite, and not beyond 3.4e38; correct it, or set `replace_non_finite` beside `file` in the scene
-file = "nan.vol"; padding = 1 | :5:11: `padding` applies to point clouds; "nan.vol" brings a grid of its own
-file = "two.obj"; centring = "cells" | :5:12: `centring` applies to grids; "two.obj" is a point cloud
+file = "nan.vol"; padding = 1 | :5:11: `padding` applies to point clouds; "nan.vol" is none of these
+file = "two.obj"; centring = "cells" | :5:12: `centring` applies to grids; "two.obj" is none of these
 file = "scan.raw"; centring = "cells" | scan.raw: unsupported file extension; supported are
 file = "nan.vol"; detached_anywhere = 1 | :5:21: `detached_anywhere` must be true or false, not an integer
 file = "nan.vol"; replace_non_finite = 1e39 | `replace_non_finite` must lie in"#
