@@ -434,7 +434,7 @@ mod tests {
             (
                 "encoding: raw",
                 "encoding: bz2",
-                "5: the encoding is \"bzip2\", and raw",
+                "5: the encoding is \"bz2\", and raw",
             ),
             (
                 "encoding: raw",
