@@ -15,7 +15,7 @@
 //! Source: Wald 2007, "On fast construction of SAH-based bounding volume hierarchies", IEEE Symposium
 //! on Interactive Ray Tracing, for the bins.
 
-use super::box_test::BoxTest;
+use super::box_test::{BoxTest, FourBoxes};
 use super::{Aabb, Ray};
 use arrayvec::ArrayVec;
 
@@ -29,30 +29,37 @@ const BINS: usize = 16;
 /// deeper than this and the logarithm of their number together.
 const DEEPEST: usize = 32;
 
-/// Boxes that may wait on the way through a tree: one on each of its levels, with up to 2^31 faces.
-const WAITING: usize = DEEPEST + 32;
+/// Boxes of a node.
+const WIDTH: usize = FourBoxes::COUNT;
 
-/// A bounding volume hierarchy: faces split in two where the surface area heuristic expects the fewest
-/// tests of a ray.
+/// Boxes that may wait on the way through a tree: all but one of a node on each of its levels, of which a node has
+/// two, with up to 2^31 faces.
+const WAITING: usize = (WIDTH - 1) * (DEEPEST + 32) / 2 + 1;
+
+/// A bounding volume hierarchy: faces split in two, twice a node, where the surface area heuristic expects the fewest
+/// tests of a ray. The four boxes of a node are tested together.
 #[derive(Clone, Debug)]
 pub(crate) struct Bvh {
-    /// The root is the first.
+    /// The box around all faces.
+    bounds: Option<Aabb>,
+    root: Content,
     nodes: Vec<Node>,
     faces: Vec<usize>,
 }
 
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 struct Node {
-    bounds: Aabb,
-    contents: Contents,
+    boxes: FourBoxes,
+    contents: [Content; WIDTH],
 }
 
-#[derive(Clone, Copy, Debug)]
-enum Contents {
-    /// So many faces from this one on in [`Bvh::faces`].
-    Faces(usize, usize),
-    /// Numbers of nodes.
-    Halves([usize; 2]),
+/// The content of a box: faces, or a node.
+#[derive(Clone, Copy, Debug, Default)]
+struct Content {
+    /// Index of the node, or of the first face in [`Bvh::faces`].
+    first: usize,
+    /// Number of faces; 0 for a node.
+    faces: usize,
 }
 
 /// A way to split faces in two.
@@ -69,48 +76,42 @@ impl Bvh {
     /// The hierarchy over faces `0..boxes.len()` with these boxes.
     pub fn new(boxes: &[Aabb]) -> Bvh {
         let mut bvh = Bvh {
+            bounds: boxes.iter().copied().reduce(Aabb::union),
+            root: Content::default(),
             nodes: Vec::new(),
             faces: Vec::with_capacity(boxes.len()),
         };
         let mut faces: Vec<usize> = (0..boxes.len()).collect();
-        if !faces.is_empty() {
-            bvh.add(&mut faces, boxes, 0);
+        if bvh.bounds.is_some() {
+            bvh.root = bvh.content(&mut faces, boxes, 0);
         }
         bvh
     }
 
-    /// Adds the nodes over `faces`, which it lists in their order; the number of the first.
-    fn add(&mut self, faces: &mut [usize], boxes: &[Aabb], depth: usize) -> usize {
-        let bounds = faces.iter().map(|&face| boxes[face]).reduce(Aabb::union);
-        let bounds = bounds.expect("a node has faces");
-        let index = self.nodes.len();
-        let contents = Contents::Faces(self.faces.len(), faces.len());
-        self.nodes.push(Node { bounds, contents });
-        let split = best_split(faces, boxes, &bounds).filter(|_| depth < DEEPEST);
-        // Without a split, the faces of a leaf cost a test each.
-        let is_leaf = split.is_none_or(|split| split.cost >= faces.len() as f64);
-        if faces.len() <= LEAF && is_leaf {
+    /// A box of `faces`, which it lists in their order, with the nodes in it.
+    fn content(&mut self, faces: &mut [usize], boxes: &[Aabb], depth: usize) -> Content {
+        let Some(middle) = middle(faces, boxes, depth) else {
+            let first = self.faces.len();
             self.faces.extend_from_slice(faces);
-            return index;
-        }
-        let middle = match split {
-            Some(split) => {
-                let bins = Bins::of(faces, boxes, split.axis);
-                // Stable, so that the order is one and the same everywhere.
-                faces.sort_by_key(|&face| bins.bin(&boxes[face]) >= split.bin);
-                faces.partition_point(|&face| bins.bin(&boxes[face]) < split.bin)
-            }
-            None => {
-                let axis = bounds.longest_axis();
-                let centre = |face: usize| boxes[face].centre()[axis];
-                faces.sort_unstable_by(|&a, &b| centre(a).total_cmp(&centre(b)).then(a.cmp(&b)));
-                faces.len() / 2
-            }
+            return Content {
+                first,
+                faces: faces.len(),
+            };
         };
         let (low, high) = faces.split_at_mut(middle);
-        let halves = [low, high].map(|half| self.add(half, boxes, depth + 1));
-        self.nodes[index].contents = Contents::Halves(halves);
-        index
+        let mut parts = ArrayVec::<&mut [usize], WIDTH>::new();
+        for half in [low, high] {
+            let middle = self::middle(half, boxes, depth + 1);
+            let (a, b) = half.split_at_mut(middle.unwrap_or(0));
+            parts.extend([a, b].into_iter().filter(|part| !part.is_empty()));
+        }
+        let first = self.nodes.len();
+        self.nodes.push(Node::default());
+        for (place, part) in parts.into_iter().enumerate() {
+            self.nodes[first].boxes.set(place, &around(part, boxes));
+            self.nodes[first].contents[place] = self.content(part, boxes, depth + 2);
+        }
+        Content { first, faces: 0 }
     }
 
     /// Calls `visit` with candidates for crossings `from ≤ t ≤ limit`, nearer boxes first; it returns
@@ -122,39 +123,70 @@ impl Bvh {
         mut limit: f64,
         mut visit: impl FnMut(usize, f64) -> f64,
     ) {
-        let Some(root) = self.nodes.first() else {
+        let Some(bounds) = &self.bounds else {
             return;
         };
-        let test = BoxTest::new(ray, &root.bounds);
-        let mut waiting = ArrayVec::<(f64, usize), WAITING>::new();
-        waiting.push((from, 0));
-        while let Some((entry, index)) = waiting.pop() {
+        let test = BoxTest::new(ray, bounds);
+        let mut waiting = ArrayVec::<(f64, Content), WAITING>::new();
+        waiting.push((from, self.root));
+        while let Some((entry, Content { first, faces })) = waiting.pop() {
             let is_behind = entry > limit;
             if is_behind {
                 continue;
             }
-            match self.nodes[index].contents {
-                Contents::Faces(first, count) => {
-                    for &face in &self.faces[first..first + count] {
-                        limit = visit(face, limit);
-                        if limit < from {
-                            return;
-                        }
+            if faces > 0 {
+                for &face in &self.faces[first..first + faces] {
+                    limit = visit(face, limit);
+                    if limit < from {
+                        return;
                     }
                 }
-                Contents::Halves(halves) => {
-                    let entry = |half: usize| test.entry(&self.nodes[half].bounds, from, limit);
-                    let mut halves = halves.map(|half| (entry(half), half));
-                    // The nearer box comes on top.
-                    if halves[0].0 < halves[1].0 {
-                        halves.swap(0, 1);
-                    }
-                    let met = |(entry, half): (Option<f64>, usize)| Some((entry?, half));
-                    waiting.extend(halves.into_iter().filter_map(met));
+                continue;
+            }
+            let node = &self.nodes[first];
+            let entries = test.entries(&node.boxes, from, limit);
+            let bottom = waiting.len();
+            for (entry, &content) in entries.into_iter().zip(&node.contents) {
+                if entry == f64::INFINITY {
+                    continue;
+                }
+                waiting.push((entry, content));
+                // The nearest box comes on top.
+                let pushed = &mut waiting[bottom..];
+                let mut place = pushed.len() - 1;
+                while place > 0 && pushed[place - 1].0 < entry {
+                    pushed.swap(place - 1, place);
+                    place -= 1;
                 }
             }
         }
     }
+}
+
+/// The number of faces in the first of two parts, after which `faces` are sorted; none if they make a leaf.
+fn middle(faces: &mut [usize], boxes: &[Aabb], depth: usize) -> Option<usize> {
+    let bounds = around(faces, boxes);
+    let split = best_split(faces, boxes, &bounds).filter(|_| depth < DEEPEST);
+    // Without a split, the faces of a leaf cost a test each.
+    let is_leaf = split.is_none_or(|split| split.cost >= faces.len() as f64);
+    if faces.len() <= LEAF && is_leaf {
+        return None;
+    }
+    let Some(split) = split else {
+        let axis = bounds.longest_axis();
+        let centre = |face: usize| boxes[face].centre()[axis];
+        faces.sort_unstable_by(|&a, &b| centre(a).total_cmp(&centre(b)).then(a.cmp(&b)));
+        return Some(faces.len() / 2);
+    };
+    let bins = Bins::of(faces, boxes, split.axis);
+    // Stable, so that the order is one and the same everywhere.
+    faces.sort_by_key(|&face| bins.bin(&boxes[face]) >= split.bin);
+    Some(faces.partition_point(|&face| bins.bin(&boxes[face]) < split.bin))
+}
+
+fn around(faces: &[usize], boxes: &[Aabb]) -> Aabb {
+    let boxes = faces.iter().map(|&face| boxes[face]);
+    boxes.reduce(Aabb::union).expect("a node has faces")
 }
 
 /// The split of `faces`, within `bounds`, that the surface area heuristic likes best; `None` if their
@@ -183,7 +215,7 @@ fn best_split(faces: &[usize], boxes: &[Aabb], bounds: &Aabb) -> Option<Split> {
         for bin in 1..BINS {
             bounds = join(bounds, held[bin - 1]);
             count += counts[bin - 1];
-            // Two boxes are tested for a split, half as long as a face.
+            // Two boxes are tested for a split, half of a node.
             let cost = 0.5 + (tests(bounds, count) + above[bin]) / whole;
             let divides = count > 0 && count < faces.len();
             if divides && cost < best.map_or(f64::INFINITY, |best| best.cost) {
