@@ -429,6 +429,10 @@ impl Panel {
     }
 }
 
+/// The remedy for values that are no densities.
+const OTHER_VALUES: &str = "for other values, give their `range` in [transfer_function], or [[transfer_function.point]] \
+                            with `value`, `colour` and `opacity`, once for each point of a table";
+
 fn read_classified(
     root: &Reader,
     reader: &Reader,
@@ -471,20 +475,16 @@ fn read_classified(
             "range" if has_other_colours, "`range` has no effect: a window or isosurfaces state values of their own",
                 "leave the key out";
         }
-        let mut range = None;
-        if matches!(opacity, OpacityByValue::Formula(_)) && !has_other_colours {
-            let is_shared = own.is_none() && tables.len() > 1;
-            let is_sum = reader.says("mode", "sum");
-            range = read_range(table, volume, is_shared, &placed, is_sum)?;
-            if range.is_none() {
-                files.check_densities(
-                    volume,
-                    &placed.grid,
-                    "for other values, give their `range` in [transfer_function], or \
-                     [[transfer_function.point]] with `value`, `colour` and `opacity`, once for \
-                     each point of a table",
-                )?;
+        let range = match opacity {
+            OpacityByValue::Formula(_) if !has_other_colours => {
+                let is_shared = own.is_none() && tables.len() > 1;
+                let is_sum = reader.says("mode", "sum");
+                read_range(table, volume, is_shared, &placed, is_sum)?
             }
+            _ => None,
+        };
+        if range.is_none() && !has_other_colours && !table.has("point") {
+            files.check_densities(volume, &placed.grid, OTHER_VALUES)?;
         }
         if let Some(nodes) = placed.grid.lattice().nodes().iter().max() {
             volume.resolved("resolution", nodes);
