@@ -8,7 +8,7 @@ use crate::known_answers::Formula;
 use crate::render::{Plan, plans, render};
 use crate::scene::{Panel, Precision, Sampling, Scene};
 use crate::suite::golden::{accept_advice, plan_hash, scene_hash, short};
-use crate::suite::rendering::{ReferenceRenderer, Renderer, check_class};
+use crate::suite::rendering::check_class;
 use crate::suite::sensitivities;
 use crate::suite::{Case, CaseSampling, Golden, GoldenError, Quick, Store};
 use std::collections::BTreeMap;
@@ -68,21 +68,12 @@ pub(crate) struct CheckedGolden {
 impl CheckedGolden {
     /// Loads scene and golden of `case`; an error in either is a finding.
     pub fn load(case: &Case, store: &Store) -> Result<CheckedGolden, CaseResult> {
-        CheckedGolden::load_for(&ReferenceRenderer, case, store)
-    }
-
-    /// [`CheckedGolden::load`], where another renderer stands in for the reference.
-    pub fn load_for(
-        renderer: &dyn Renderer,
-        case: &Case,
-        store: &Store,
-    ) -> Result<CheckedGolden, CaseResult> {
         let bad_input = |reason| CaseResult::new(Verdict::Error, Cause::BadInput, reason);
         let bad_golden = |reason| CaseResult::new(Verdict::Error, Cause::Golden, reason);
         let scene = case
             .load_scene()
             .map_err(|error| bad_input(error.to_string()))?;
-        check_class(renderer, case, &plans(&scene)).map_err(bad_input)?;
+        check_class(case, &plans(&scene)).map_err(bad_input)?;
         let golden = Golden::read(store, case).map_err(|error| match error {
             GoldenError::Missing(_) => {
                 CaseResult::new(Verdict::Missing, Cause::Golden, error.to_string())
