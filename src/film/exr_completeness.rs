@@ -121,19 +121,16 @@ fn check_window(name: &[u8], value: &[u8]) -> Result<(), FilmError> {
     ))
 }
 
-/// Fails if a block of pixels of the largest resolution of any part is missing, or if the offset table points
-/// to a block of another resolution. Nothing is decompressed.
+/// Fails if a block of pixels of any part and resolution is missing. Nothing is decompressed.
 pub(super) fn check_blocks(bytes: &[u8]) -> Result<(), FilmError> {
-    let wanted = |tile: &TileCoordinates| tile.level_index == Vec2(0, 0);
     // The table of blocks is in the file, so that it bounds how many there can be.
     let mut blocks = exr::block::read(Cursor::new(bytes), false)
-        .and_then(|reader| reader.filter_chunks(false, |_, tile, _| wanted(&tile)))
+        .and_then(|reader| reader.filter_chunks(false, |_, _, _| true))
         .map_err(unreadable)?;
     let mut missing = HashSet::new();
     for (part, header) in blocks.headers().iter().enumerate() {
         let tiles = header.blocks_increasing_y_order();
-        let tiles = tiles.map(|tile| tile.location).filter(wanted);
-        missing.extend(tiles.map(|tile| (part, tile)));
+        missing.extend(tiles.map(|tile| (part, tile.location)));
     }
     let expected = missing.len();
     while let Some(block) = blocks.read_next_chunk() {

@@ -73,7 +73,7 @@ impl Film {
     /// several views, environment maps, pixels that are not square,
     /// opacity that colours are not multiplied by, the compressions DWAA and DWAB and, of half floats,
     /// B44 and B44A, windows that end before they begin, and files with a missing block of pixels in
-    /// the largest resolution of any part are refused. Values that are not finite are kept.
+    /// any part or resolution are refused. Values that are not finite are kept.
     pub fn from_exr(bytes: &[u8]) -> Result<Film, FilmError> {
         let file = read_file(bytes)?;
         picture(&file, &main_layer(&file)?)

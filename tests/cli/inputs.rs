@@ -364,8 +364,7 @@ fn images_that_make_a_decoder_panic_are_unreadable() {
     let said = said.join("\n");
     for part in [
         "plots/curve: error: images/plots/curve.png: not a readable PNG image: it is broken (",
-        "smoke/shadow: error: images/smoke/shadow.exr: not a readable EXR image: of its 6 \
-         blocks of pixels, 1 are missing",
+        "smoke/shadow: error: images/smoke/shadow.exr: not a readable EXR image: it is broken (",
         "smoke/plain: pass",
         "smoke/nearest: pass",
     ] {
