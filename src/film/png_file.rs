@@ -79,7 +79,9 @@ fn read(bytes: &[u8]) -> Result<(usize, usize, Vec<[u8; 3]>), FilmError> {
     let (width, height) = (width as usize, height as usize);
     check_claim(decoder.total_bytes(), bytes.len())?;
     let image = DynamicImage::from_decoder(decoder).map_err(damaged)?;
-    if let Some(index) = first_transparent(&image) {
+    let image = image.into_rgba16();
+    let mut pixels = image.pixels();
+    if let Some(index) = pixels.position(|pixel| pixel.0[3] < u16::MAX) {
         return Err(FilmError::unsuited(
             format!(
                 "the pixel ({}, {}) is transparent",
@@ -91,7 +93,12 @@ fn read(bytes: &[u8]) -> Result<(usize, usize, Vec<[u8; 3]>), FilmError> {
              linear, premultiplied radiance as .exr",
         ));
     }
-    Ok((width, height, eight_bits(&image)))
+    // The nearest of 16 bits, and 8 as they were.
+    let code = |wide: u16| ((u32::from(wide) + 128) / 257) as u8;
+    let codes = image
+        .pixels()
+        .map(|pixel| [0, 1, 2].map(|c| code(pixel.0[c])));
+    Ok((width, height, codes.collect()))
 }
 
 fn broken(reason: impl ToString) -> FilmError {
@@ -183,32 +190,4 @@ fn other_codes(info: &png::Info) -> Option<String> {
     let gamma = f64::from(info.gama_chunk?.into_scaled()) / 1e5;
     let is_srgb = (gamma - SRGB_GAMMA).abs() <= GAMMA_ROUNDING;
     (!is_srgb).then(|| format!("its gAMA says {gamma}"))
-}
-
-/// The first pixel, row by row, that is not opaque.
-fn first_transparent(image: &DynamicImage) -> Option<usize> {
-    match image {
-        DynamicImage::ImageLumaA8(image) => image.pixels().position(|p| p.0[1] < u8::MAX),
-        DynamicImage::ImageRgba8(image) => image.pixels().position(|p| p.0[3] < u8::MAX),
-        DynamicImage::ImageLumaA16(image) => image.pixels().position(|p| p.0[1] < u16::MAX),
-        DynamicImage::ImageRgba16(image) => image.pixels().position(|p| p.0[3] < u16::MAX),
-        _ => None,
-    }
-}
-
-/// 8-bit codes; for 16-bit values the nearest, v/257.
-fn eight_bits(image: &DynamicImage) -> Vec<[u8; 3]> {
-    use DynamicImage::{ImageLuma16, ImageLumaA16, ImageRgb16, ImageRgba16};
-    if matches!(
-        image,
-        ImageLuma16(_) | ImageLumaA16(_) | ImageRgb16(_) | ImageRgba16(_)
-    ) {
-        let code = |wide: u16| ((u32::from(wide) + 128) / 257) as u8;
-        return image
-            .to_rgb16()
-            .pixels()
-            .map(|pixel| pixel.0.map(code))
-            .collect();
-    }
-    image.to_rgb8().pixels().map(|pixel| pixel.0).collect()
 }

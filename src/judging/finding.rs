@@ -211,25 +211,17 @@ impl CheckedGolden {
             name if name == "medium shadow" => "volume shadow".to_owned(),
             name => name,
         };
-        let omitted: Vec<String> = self
-            .plans()
-            .iter()
-            .map(|plan| {
-                let words: Vec<String> = plan.omitted().into_iter().map(word).collect();
-                words.join(", ")
-            })
-            .collect();
-        match &omitted[..] {
-            [one] => one.clone(),
-            panels => {
-                let said = panels.iter().enumerate();
-                let said = said.filter(|(_, names)| !names.is_empty());
-                let said: Vec<_> = said
-                    .map(|(index, names)| format!("{names} in panel {}", index + 1))
-                    .collect();
-                said.join(", ")
-            }
-        }
+        let plans = self.plans();
+        let of_panel = |(index, plan): (usize, &Plan<'_>)| {
+            let words: Vec<String> = plan.omitted().into_iter().map(word).collect();
+            let place = match plans.len() {
+                1 => String::new(),
+                _ => format!(" in panel {}", index + 1),
+            };
+            (!words.is_empty()).then(|| words.join(", ") + &place)
+        };
+        let said: Vec<String> = plans.iter().enumerate().filter_map(of_panel).collect();
+        said.join(", ")
     }
 }
 
