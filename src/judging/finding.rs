@@ -45,6 +45,7 @@ impl From<Judgement> for CaseResult {
         };
         CaseResult {
             metrics: judgement.metrics,
+            gate: judgement.gate,
             changes: judgement.changes,
             detectable: judgement.detectable,
             ..CaseResult::new(verdict, cause, judgement.reason)
