@@ -69,9 +69,6 @@ def write_png():
 
     kind, table = colours(15)
     png(IMAGES / "bad-palette-length.png", index, PALETTE, 8, [(kind, table[:-1])])
-    png(IMAGES / "bad-palette-index.png", index, PALETTE, 8, [colours(14)])
-    index = lambda x, y: [3 if (x, y) == (1, 2) else 0]
-    png(IMAGES / "bad-palette-index-2.png", index, PALETTE, 2, [colours(3)], interlaced=True)
 
 
 def attribute(name, kind, value):

@@ -1,8 +1,7 @@
 #!/usr/bin/env python3
 """What the stochastic gate sees of wrong numbers: the tables of the guide, src/guide/sensitivities.md.
 
-    scripts/power.py table       the smallest change of each number that is seen, by samples per pixel, with and
-                                 without score tests
+    scripts/power.py table       the smallest change of each number that is seen, by samples per pixel
     scripts/power.py honest      right images of all cases with sensitivities: how many fail, and their scores
     scripts/power.py faults      numbers that are wrong by twice what is seen: verdict, size that is found
 
@@ -49,11 +48,11 @@ def table():
     """Sizes are shares of a number, or in the unit that `volref sensitivity CASE` states."""
     for case in chosen(CASES):
         columns = [{it["name"]: it for it in judged(case, spp, 1)["detectable"]} for spp in SAMPLES]
-        print(f"\n`{case}`\n\n| number | " + " | ".join(f"{spp} spp, before | now" for spp in SAMPLES) + " |")
-        print("| --- |" + " --- |" * (2 * len(SAMPLES)))
+        print(f"\n`{case}`\n\n| number | " + " | ".join(f"{spp} spp" for spp in SAMPLES) + " |")
+        print("| --- |" + " --- |" * len(SAMPLES))
         for name in columns[0]:
             sizes = [column.get(name, {}) for column in columns]
-            cells = [f"{shown(it.get('without_score'))} | {shown(it.get('change'))}" for it in sizes]
+            cells = [shown(it.get("change")) for it in sizes]
             print(f"| `{name}` | " + " | ".join(cells) + " |", flush=True)
 
 

@@ -38,9 +38,6 @@ pub struct Detectable {
     pub words: String,
     /// Size of the change, in the unit of the number; for most numbers a share of it.
     pub change: f64,
-    /// Size without score tests: by a block or the mean of the image.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub without_score: Option<f64>,
 }
 
 /// A change of a number of the scene, estimated from the difference of two images.

@@ -3,8 +3,8 @@
 use super::flip::SrgbImage;
 use super::gate::Gate;
 use crate::files::regular_file;
-use crate::files::regular_file::ReadError;
 use crate::film::{Bits, Film, FilmError, FilmFormat};
+use std::fmt::Display;
 use std::path::Path;
 use thiserror::Error;
 
@@ -20,40 +20,13 @@ pub enum Picture {
 /// Reason why an image cannot be compared.
 #[derive(Debug, Error)]
 pub enum PictureError {
-    /// The file cannot be read.
-    #[error("{path}: cannot be read: {error}")]
-    Read {
+    /// The file cannot be read, or contains no usable image.
+    #[error("{path}: {reason}")]
+    File {
         /// The file.
         path: String,
-        /// Error of the operating system.
-        error: std::io::Error,
-    },
-    /// A directory, or a device.
-    #[error("{path}: cannot be read: this is {what}, not an image file")]
-    NotAFile {
-        /// Path.
-        path: String,
-        /// Kind of file found.
-        what: &'static str,
-    },
-    /// A file too large to be an image.
-    #[error(
-        "{path}: the file has {bytes} bytes; images of at most {} are read",
-        Picture::MOST_BYTES
-    )]
-    TooLong {
-        /// Path.
-        path: String,
-        /// Bytes in the file.
-        bytes: u64,
-    },
-    /// The file contains no usable image.
-    #[error("{path}: {error}")]
-    Film {
-        /// The file.
-        path: String,
-        /// Fault of the file.
-        error: FilmError,
+        /// Its fault.
+        reason: String,
     },
     /// The image has no pixels.
     #[error("an image of {0} × {1} has no pixels")]
@@ -73,16 +46,20 @@ pub enum PictureError {
     NeedsNoise,
 }
 
-impl Picture {
-    /// Longest file that is read, in bytes: 4 GiB.
-    pub const MOST_BYTES: u64 = regular_file::MOST_BYTES;
+impl PictureError {
+    /// The fault of the file at `path`.
+    pub(crate) fn of(path: &Path, fault: impl Display) -> PictureError {
+        PictureError::File {
+            path: path.display().to_string(),
+            reason: fault.to_string(),
+        }
+    }
+}
 
+impl Picture {
     /// Reads an image file: `.exr`, `.pfm` and `.npy` as radiance, `.png` as codes.
     pub fn read(path: &Path) -> Result<Picture, PictureError> {
-        let in_film = |error| PictureError::Film {
-            path: path.display().to_string(),
-            error,
-        };
+        let in_film = |error| PictureError::of(path, error);
         let format = FilmFormat::of(path)
             .ok_or_else(|| in_film(FilmError::Format(FilmFormat::conversion(path))))?;
         let bytes = Picture::bytes(path)?;
@@ -91,19 +68,8 @@ impl Picture {
 
     /// All bytes of the image file at `path`.
     pub fn bytes(path: &Path) -> Result<Vec<u8>, PictureError> {
-        let name = || path.display().to_string();
-        let in_read = |error| PictureError::Read {
-            path: name(),
-            error,
-        };
-        regular_file::read(path, Picture::MOST_BYTES).map_err(|error| match error {
-            ReadError::NotAFile(what) => PictureError::NotAFile { path: name(), what },
-            ReadError::TooLarge { bytes, .. } => PictureError::TooLong {
-                path: name(),
-                bytes,
-            },
-            error => in_read(error.into()),
-        })
+        let bytes = regular_file::read(path, regular_file::MOST_BYTES);
+        bytes.map_err(|error| PictureError::of(path, format!("cannot be read: {error}")))
     }
 
     fn decode(format: FilmFormat, bytes: &[u8]) -> Result<Picture, FilmError> {

@@ -59,21 +59,13 @@ impl Sensitivity {
 
     /// A size without a sign in words: `density 1.6 %`.
     pub(crate) fn size_in_words(&self, size: f64) -> String {
-        match &self.unit {
-            None => format!(
-                "{} {} %",
-                self.words,
-                with_error(100.0 * size, 10.0 * size)[0]
-            ),
-            Some(unit) => {
-                let space = if unit.is_empty() { "" } else { " " };
-                format!(
-                    "{} {}{space}{unit}",
-                    self.words,
-                    with_error(size, 0.1 * size)[0]
-                )
-            }
-        }
+        let (factor, unit) = match self.unit.as_deref() {
+            None => (100.0, " %".to_owned()),
+            Some("") => (1.0, String::new()),
+            Some(unit) => (1.0, format!(" {unit}")),
+        };
+        let [size, _] = with_error(factor * size, 0.1 * factor * size);
+        format!("{} {size}{unit}", self.words)
     }
 }
 
@@ -92,24 +84,19 @@ pub(crate) fn change_in_words(
     let side = if change < 0.0 { "small" } else { "large" };
     let factor = if unit.is_none() { 100.0 } else { 1.0 };
     let size = factor * change.abs();
-    let size = match error {
-        None => format!("about {}", two_digits(size)),
+    let (about, size) = match error {
+        None => ("about ", two_digits(size)),
         Some(error) if error <= LARGEST_ERROR * change.abs() => {
             let [size, error] = with_error(size, factor * error);
-            format!("{size} ± {error}")
+            ("", format!("{size} ± {error}"))
         }
         Some(_) => return format!("{words} too {side}, by how much is not known"),
     };
+    let sign = if change < 0.0 { "−" } else { "+" };
     match unit {
-        None => format!("{words} {size} % too {side}"),
-        Some(unit) => {
-            let sign = if change < 0.0 { "−" } else { "+" };
-            let space = if unit.is_empty() { "" } else { " " };
-            match size.strip_prefix("about ") {
-                Some(size) => format!("{words} off by about {sign}{size}{space}{unit}"),
-                None => format!("{words} off by {sign}{size}{space}{unit}"),
-            }
-        }
+        None => format!("{words} {about}{size} % too {side}"),
+        Some("") => format!("{words} off by {about}{sign}{size}"),
+        Some(unit) => format!("{words} off by {about}{sign}{size} {unit}"),
     }
 }
 

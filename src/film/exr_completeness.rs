@@ -44,16 +44,15 @@ pub(super) fn unreadable(error: exr::error::Error) -> FilmError {
 
 /// Bytes before the first header: magic number, version and flags.
 const PREAMBLE: usize = 8;
-/// The byte of the preamble with the flags, and two of them.
+/// The byte of the preamble with the flags, and that of several parts.
 const FLAGS: usize = 5;
-const LONG_NAMES: u8 = 1 << 2;
 const SEVERAL_PARTS: u8 = 1 << 4;
 
 /// Bytes of the value of `chromaticities`.
 const CHROMATICITIES: usize = 32;
 
 /// Fails if a header of any part has a window that ends before it begins, a compression that is not
-/// read, a name that is too long, or an attribute that says what pixels are and cannot be read.
+/// read, or an attribute that says what pixels are and cannot be read.
 ///
 /// Source: <https://openexr.com/en/latest/OpenEXRFileLayout.html>, header: name, type and size of
 /// each attribute, then its value; an empty name ends the header, another one those of several parts.
@@ -61,11 +60,9 @@ pub(super) fn check_headers(bytes: &[u8]) -> Result<(), FilmError> {
     let Some((preamble, mut rest)) = bytes.split_at_checked(PREAMBLE) else {
         return Ok(());
     };
-    let has = |flag: u8| preamble[FLAGS] & flag != 0;
-    // One letter more than OpenEXR allows, as the crate does.
-    let longest = if has(LONG_NAMES) { 256 } else { 32 };
+    let has_several_parts = preamble[FLAGS] & SEVERAL_PARTS != 0;
     loop {
-        while let Some((name, value, after)) = attribute(rest, longest)? {
+        while let Some((name, value, after)) = attribute(rest) {
             if WINDOWS.contains(&name) {
                 check_window(name, value)?;
             }
@@ -84,57 +81,26 @@ pub(super) fn check_headers(bytes: &[u8]) -> Result<(), FilmError> {
         }
         // Anything but the header of a further part is left to the crate.
         match rest {
-            [0, next, ..] if has(SEVERAL_PARTS) && *next != 0 => rest = &rest[1..],
+            [0, next, ..] if has_several_parts && *next != 0 => rest = &rest[1..],
             _ => return Ok(()),
         }
     }
 }
 
-/// A text, and the bytes behind it.
-type Word<'b> = (&'b [u8], &'b [u8]);
-
-/// An attribute's name and value, and the bytes behind it.
-type Attribute<'b> = (&'b [u8], &'b [u8], &'b [u8]);
-
-/// The first attribute in `bytes`, whose name and type have at most `longest` bytes; none if there is
-/// no whole one.
-fn attribute(bytes: &[u8], longest: usize) -> Result<Option<Attribute<'_>>, FilmError> {
-    let Some((name, rest)) = text(bytes, longest)? else {
-        return Ok(None);
+/// The name and the value of the first attribute in `bytes`, and the bytes behind it; none if there is no whole one.
+fn attribute(bytes: &[u8]) -> Option<(&[u8], &[u8], &[u8])> {
+    let word = |bytes: &'_ [u8]| {
+        bytes
+            .iter()
+            .position(|&byte| byte == 0)
+            .filter(|&end| end > 0)
     };
-    let Some((_type, rest)) = text(rest, longest)? else {
-        return Ok(None);
-    };
-    let sized = rest.split_first_chunk().and_then(|(size, rest)| {
-        let size = usize::try_from(i32::from_le_bytes(*size)).ok()?;
-        rest.split_at_checked(size)
-    });
-    Ok(sized.map(|(value, rest)| (name, value, rest)))
-}
-
-/// A non-empty text up to its terminating zero, and the rest.
-fn text(bytes: &[u8], longest: usize) -> Result<Option<Word<'_>>, FilmError> {
-    /// As many letters as a message shows.
-    const SHOWN: usize = 24;
-    let end = bytes.iter().take(longest + 1).position(|&byte| byte == 0);
-    match end {
-        Some(0) => Ok(None),
-        Some(end) => Ok(Some((&bytes[..end], &bytes[end + 1..]))),
-        // Else these are no letters.
-        None if bytes.len() > longest && bytes[..longest].iter().all(u8::is_ascii_graphic) => {
-            Err(FilmError::unsuited(
-                format!(
-                    "the name of an attribute of this EXR, {}…, has more than the {} letters \
-                     that its header allows",
-                    String::from_utf8_lossy(&bytes[..SHOWN]),
-                    longest - 1
-                ),
-                "give it a shorter name, or leave it out; up to 255 letters need the flag for long \
-                 names, which OpenEXR sets by itself",
-            ))
-        }
-        None => Ok(None),
-    }
+    let (name, rest) = bytes.split_at(word(bytes)?);
+    let (_type, rest) = rest[1..].split_at(word(&rest[1..])?);
+    let (size, rest) = rest[1..].split_first_chunk()?;
+    let size = usize::try_from(i32::from_le_bytes(*size)).ok()?;
+    let (value, rest) = rest.split_at_checked(size)?;
+    Some((name, value, rest))
 }
 
 fn check_window(name: &[u8], value: &[u8]) -> Result<(), FilmError> {
@@ -155,31 +121,16 @@ fn check_window(name: &[u8], value: &[u8]) -> Result<(), FilmError> {
     ))
 }
 
-/// Fails if a block of pixels of any part and resolution is missing, or if the offset table points
-/// to a block of another resolution. Nothing is decompressed.
+/// Fails if a block of pixels of any part and resolution is missing. Nothing is decompressed.
 pub(super) fn check_blocks(bytes: &[u8]) -> Result<(), FilmError> {
-    // Two walks: the reader gives blocks without the entry of the table that led to them, so that
-    // entries exchanged between two resolutions show only where those of the largest, the only ones
-    // that the decoder follows, are followed by themselves.
-    let whole = |tile: &TileCoordinates| tile.level_index == Vec2(0, 0);
-    check_blocks_of(bytes, &|_| true)?;
-    check_blocks_of(bytes, &whole)
-}
-
-/// As [`check_blocks`], for the blocks with the indices `wanted`.
-fn check_blocks_of(
-    bytes: &[u8],
-    wanted: &dyn Fn(&TileCoordinates) -> bool,
-) -> Result<(), FilmError> {
     // The table of blocks is in the file, so that it bounds how many there can be.
     let mut blocks = exr::block::read(Cursor::new(bytes), false)
-        .and_then(|reader| reader.filter_chunks(false, |_, tile, _| wanted(&tile)))
+        .and_then(|reader| reader.filter_chunks(false, |_, _, _| true))
         .map_err(unreadable)?;
     let mut missing = HashSet::new();
     for (part, header) in blocks.headers().iter().enumerate() {
         let tiles = header.blocks_increasing_y_order();
-        let tiles = tiles.map(|tile| tile.location).filter(wanted);
-        missing.extend(tiles.map(|tile| (part, tile)));
+        missing.extend(tiles.map(|tile| (part, tile.location)));
     }
     let expected = missing.len();
     while let Some(block) = blocks.read_next_chunk() {

@@ -16,7 +16,6 @@ use exr::prelude::{
     ReadChannels, ReadLayers, Vec2, WritableImage, read,
 };
 use std::io::Cursor;
-use std::ops::Range;
 
 /// Channels with the variance of the mean of red, green and blue. Lower case only: pbrt writes
 /// `Variance.R` for the variance of one sample, another quantity.
@@ -138,8 +137,8 @@ fn picture(file: &ExrParts, colours: &Colours) -> Result<Film, FilmError> {
         None => beside(colours, file, SAMPLES).and_then(|samples| count(samples).ok()),
     };
     Ok(Film {
-        width: frame.width,
-        height: frame.height,
+        width: frame.size[0],
+        height: frame.size[1],
         radiance: frame.cut(radiance),
         opacity: colours.opacity.map(|opacity| frame.cut(floats(opacity))),
         noise: noise.map(|noise| Noise {
@@ -236,16 +235,12 @@ fn noise(colours: &Colours, file: &ExrParts) -> Result<Option<Noise>, FilmError>
 
 /// Position of an image's pixels among those of a part of its file.
 struct PixelWindow {
-    /// Columns of the image.
-    width: usize,
-    /// Rows of the image.
-    height: usize,
+    /// Columns and rows of the image.
+    size: [usize; 2],
     /// Column and row in the image of the first pixel of the part.
     first: [i64; 2],
-    /// Columns of the part.
-    stride: usize,
-    /// Rows of the part.
-    rows: usize,
+    /// Columns and rows of the part.
+    part: [usize; 2],
 }
 
 impl PixelWindow {
@@ -254,21 +249,23 @@ impl PixelWindow {
 
     fn of(part: &ExrPart, file: &ExrParts) -> Result<PixelWindow, FilmError> {
         let display = file.attributes.display_window;
-        let (width, height) = (display.size.width(), display.size.height());
+        let [width, height] = [display.size.width(), display.size.height()];
         check_size(width, height)?;
         let data = part.attributes.layer_position;
         let position = |at: i32, origin: i32| i64::from(at) - i64::from(origin);
         let frame = PixelWindow {
-            width,
-            height,
+            size: [width, height],
             first: [
                 position(data.x(), display.position.x()),
                 position(data.y(), display.position.y()),
             ],
-            stride: part.size.width(),
-            rows: part.size.height(),
+            part: [part.size.width(), part.size.height()],
         };
-        let covered = frame.columns().len() * frame.covered_rows().len();
+        let covered = |axis: usize| {
+            let inside = |at: i64| at.clamp(0, frame.size[axis] as i64) as usize;
+            inside(frame.first[axis] + frame.part[axis] as i64) - inside(frame.first[axis])
+        };
+        let covered = covered(0) * covered(1);
         if covered == 0 || width * height - covered > PixelWindow::MOST_UNCOVERED {
             return Err(FilmError::unsuited(
                 format!(
@@ -281,37 +278,19 @@ impl PixelWindow {
         Ok(frame)
     }
 
-    /// Columns of the image with data.
-    fn columns(&self) -> Range<usize> {
-        overlap(self.width, self.first[0], self.stride)
-    }
-
-    /// Rows of the image with data.
-    fn covered_rows(&self) -> Range<usize> {
-        overlap(self.height, self.first[1], self.rows)
-    }
-
     /// The image, from the values of the part: zero where there are none.
     fn cut<T: Copy + Default>(&self, values: Vec<T>) -> Vec<T> {
-        if self.first == [0, 0] && (self.stride, self.rows) == (self.width, self.height) {
-            return values;
-        }
-        let mut picture = vec![T::default(); self.width * self.height];
-        let columns = self.columns();
-        for row in self.covered_rows() {
-            let from = (row as i64 - self.first[1]) as usize * self.stride
-                + (columns.start as i64 - self.first[0]) as usize;
-            let to = row * self.width + columns.start;
-            picture[to..to + columns.len()].copy_from_slice(&values[from..from + columns.len()]);
-        }
-        picture
+        let ([width, height], [columns, rows]) = (self.size, self.part);
+        let value = |index: usize| {
+            let [x, y] = [(0, index % width), (1, index / width)]
+                .map(|(axis, at)| usize::try_from(at as i64 - self.first[axis]).ok());
+            let (x, y) = (x.filter(|x| *x < columns)?, y.filter(|y| *y < rows)?);
+            Some(values[x + y * columns])
+        };
+        (0..width * height)
+            .map(|index| value(index).unwrap_or_default())
+            .collect()
     }
-}
-
-/// The part of `0..length` that the `count` indices from `first` cover.
-fn overlap(length: usize, first: i64, count: usize) -> Range<usize> {
-    let inside = |position: i64| position.clamp(0, length as i64) as usize;
-    inside(first)..inside(first + count as i64)
 }
 
 /// The number of samples, the same in every pixel.

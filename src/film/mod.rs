@@ -18,7 +18,6 @@ mod quantisation;
 mod replicates;
 
 use crate::math::Moments;
-use std::ops::Range;
 
 pub use alpha::Alpha;
 pub use depth::Depth;
@@ -186,39 +185,30 @@ impl Film {
 
     /// The films side by side, from left to right. All must have the same height, and all or none
     /// opacity. The noise is kept if all have noise from the same number of samples.
-    pub fn side_by_side(films: &[Film]) -> Film {
-        let width = films.iter().map(|film| film.width).sum();
-        let rows = (0..films[0].height).flat_map(|row| {
-            let row_of = move |film: &Film| row * film.width..(row + 1) * film.width;
-            films.iter().map(move |film| (film, row_of(film)))
-        });
-        Film::of_pieces([width, films[0].height], rows)
-    }
-
-    /// An image of runs of pixels of others, in its own order: with opacity if all have one, with noise
-    /// if all have that of as many samples.
-    fn of_pieces<'f>(
-        [width, height]: [usize; 2],
-        pieces: impl Iterator<Item = (&'f Film, Range<usize>)> + Clone,
-    ) -> Film {
-        let radiance = pieces.clone().map(|(film, run)| &film.radiance[run]);
-        let radiance: Vec<&[[f32; 3]]> = radiance.collect();
-        let mut film = Film::new(width, height, radiance.concat());
-        let opacity = pieces
-            .clone()
-            .map(|(film, run)| Some(&film.opacity()?[run]));
-        film.opacity = opacity
-            .collect::<Option<Vec<_>>>()
-            .map(|runs| runs.concat());
+    pub fn side_by_side<'f>(films: &'f [Film]) -> Film {
+        let (width, height) = (films.iter().map(Film::width).sum(), films[0].height);
+        let in_row = |row: usize| {
+            let columns =
+                move |film: &'f Film| (0..film.width).map(move |x| (film, x + row * film.width));
+            films.iter().flat_map(columns)
+        };
+        let places: Vec<(&Film, usize)> = (0..height).flat_map(in_row).collect();
+        let places = || places.iter().copied();
+        let mut film = Film::new(
+            width,
+            height,
+            places().map(|(of, i)| of.radiance[i]).collect(),
+        );
+        film.opacity = places().map(|(of, i)| Some(of.opacity()?[i])).collect();
         let samples = |film: &Film| film.noise.as_ref().map(Noise::samples);
-        let first = pieces.clone().next().and_then(|(film, _)| samples(film));
-        let variance = pieces.map(|(film, run)| {
-            let noise = film.noise.as_ref().filter(|_| samples(film) == first)?;
-            Some(&noise.variance[run])
-        });
-        if let (Some(samples), Some(runs)) = (first, variance.collect::<Option<Vec<_>>>()) {
-            film.noise = Some(Noise::of_samples(runs.concat(), samples));
-            film.samples = Some(samples.into());
+        if let Some(count) = samples(&films[0])
+            && films.iter().all(|film| samples(film) == Some(count))
+        {
+            let variance: Option<_> = places()
+                .map(|(of, i)| Some(of.noise()?.variance[i]))
+                .collect();
+            film.noise = variance.map(|variance| Noise::of_samples(variance, count));
+            film.samples = Some(count.into());
         }
         film
     }
@@ -368,13 +358,8 @@ impl Film {
     /// value. If there is none, the first such pixel by variance: its variances and opacity.
     pub fn first_without_radiance(&self) -> Option<([usize; 2], [f32; 4])> {
         let position = |index: usize| [index % self.width, index / self.width];
-        let values = self.radiance.as_flattened().iter();
-        let values = values.chain(self.opacity.iter().flatten());
-        // Almost always all are sound, which takes less than to look at each pixel.
-        let all_sound = values.fold(true, |all, value| all & is_sound(value));
-        if !all_sound {
-            let broken = |index: &usize| !self.pixel(*index).iter().all(is_sound);
-            let index = (0..self.radiance.len()).find(broken)?;
+        let broken = |index: &usize| !self.pixel(*index).iter().all(is_sound);
+        if let Some(index) = (0..self.radiance.len()).find(broken) {
             return Some((position(index), self.pixel(index)));
         }
         let noise = self.noise.as_ref()?;

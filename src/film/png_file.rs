@@ -54,8 +54,7 @@ impl Film {
     /// Reads 8-bit sRGB codes from a PNG image: colour, grey or palette; 16-bit values become the
     /// nearest codes (v/257). Returns width, height and the codes.
     ///
-    /// Transparent pixels, animations, colours beyond the end of the palette, pixels that are not
-    /// square, and codes that are not sRGB (other primaries, another gamma or profile) are refused.
+    /// Transparent pixels, animations, pixels that are not square, and codes that are not sRGB (other primaries, another gamma or profile) are refused.
     pub fn codes_from_png(bytes: &[u8]) -> Result<(usize, usize, Vec<[u8; 3]>), FilmError> {
         decoder::run(|| read(bytes)).map_err(|stopped| FilmError::stopped("PNG", stopped))?
     }
@@ -71,9 +70,7 @@ fn read(bytes: &[u8]) -> Result<(usize, usize, Vec<[u8; 3]>), FilmError> {
     // In 64 bits: `raw_bytes` overflows words of 32.
     let claimed = u64::from(header.height) * header.raw_row_length() as u64;
     check_claim(claimed, bytes.len())?;
-    let mut reader = decoder.read_info().map_err(damaged)?;
-    check_meaning(reader.info())?;
-    check_palette(&mut reader)?;
+    check_meaning(decoder.read_info().map_err(damaged)?.info())?;
 
     let mut limits = Limits::no_limits();
     limits.max_alloc = Some(MOST_MEMORY);
@@ -82,7 +79,9 @@ fn read(bytes: &[u8]) -> Result<(usize, usize, Vec<[u8; 3]>), FilmError> {
     let (width, height) = (width as usize, height as usize);
     check_claim(decoder.total_bytes(), bytes.len())?;
     let image = DynamicImage::from_decoder(decoder).map_err(damaged)?;
-    if let Some(index) = first_transparent(&image) {
+    let image = image.into_rgba16();
+    let mut pixels = image.pixels();
+    if let Some(index) = pixels.position(|pixel| pixel.0[3] < u16::MAX) {
         return Err(FilmError::unsuited(
             format!(
                 "the pixel ({}, {}) is transparent",
@@ -94,7 +93,12 @@ fn read(bytes: &[u8]) -> Result<(usize, usize, Vec<[u8; 3]>), FilmError> {
              linear, premultiplied radiance as .exr",
         ));
     }
-    Ok((width, height, eight_bits(&image)))
+    // The nearest of 16 bits, and 8 as they were.
+    let code = |wide: u16| ((u32::from(wide) + 128) / 257) as u8;
+    let codes = image
+        .pixels()
+        .map(|pixel| [0, 1, 2].map(|c| code(pixel.0[c])));
+    Ok((width, height, codes.collect()))
 }
 
 fn broken(reason: impl ToString) -> FilmError {
@@ -121,40 +125,6 @@ fn damaged(error: impl ToString) -> FilmError {
         ),
         words => broken(format!("it is broken ({words:?}): write it again")),
     }
-}
-
-/// Fails if a palette is truncated, or a pixel has a colour beyond its end: the crates show missing
-/// colours as black.
-fn check_palette(reader: &mut png::Reader<Cursor<&[u8]>>) -> Result<(), FilmError> {
-    let info = reader.info();
-    if info.color_type != png::ColorType::Indexed {
-        return Ok(());
-    }
-    let (width, bits) = (info.width as usize, usize::from(info.bit_depth as u8));
-    let palette = info.palette.as_deref().unwrap_or_default().len();
-    if palette == 0 || !palette.is_multiple_of(3) {
-        return Err(broken(format!(
-            "its palette has {palette} bytes, and colours have three each"
-        )));
-    }
-    let colours = palette / 3;
-    let size = reader.output_buffer_size();
-    let mut rows = vec![0; size.ok_or_else(|| broken("it is too large"))?];
-    let frame = reader.next_frame(&mut rows).map_err(damaged)?;
-    // Indices of less than 8 bits are packed, the leftmost highest; each row begins anew.
-    let in_a_byte = 8 / bits;
-    for (y, row) in rows.chunks_exact(frame.line_size).enumerate() {
-        for x in 0..width {
-            let shift = 8 - bits * (x % in_a_byte + 1);
-            let index = usize::from(row[x / in_a_byte] >> shift) & ((1 << bits) - 1);
-            if index >= colours {
-                return Err(broken(format!(
-                    "the pixel ({x}, {y}) has the colour {index} of a palette of {colours}"
-                )));
-            }
-        }
-    }
-    Ok(())
 }
 
 /// Fails if the file is not a single image of sRGB codes.
@@ -201,12 +171,11 @@ fn other_codes(info: &png::Info) -> Option<String> {
         return (found != SRGB).then(|| format!("its cICP says {} and {}", found.0, found.1));
     }
     if let Some(profile) = &info.icc_profile {
-        let name = description(profile).unwrap_or_default();
-        let is_linear = name.to_ascii_lowercase().contains("linear");
-        if !name.contains("sRGB") || is_linear {
-            return Some(format!("their profile is {name:?}"));
-        }
-        return None;
+        // By its texts, of 8 or 16 bits a letter.
+        let letters = profile.iter().filter(|byte| byte.is_ascii_graphic());
+        let text: String = letters.map(|&byte| char::from(byte)).collect();
+        let is_srgb = text.contains("sRGB") && !text.to_ascii_lowercase().contains("linear");
+        return (!is_srgb).then(|| "they have a colour profile of their own".to_owned());
     }
     if info.srgb.is_some() {
         return None;
@@ -221,59 +190,4 @@ fn other_codes(info: &png::Info) -> Option<String> {
     let gamma = f64::from(info.gama_chunk?.into_scaled()) / 1e5;
     let is_srgb = (gamma - SRGB_GAMMA).abs() <= GAMMA_ROUNDING;
     (!is_srgb).then(|| format!("its gAMA says {gamma}"))
-}
-
-/// The name in an ICC profile, by which it is accepted: its tag `desc`, in 8 or 16 bits a letter.
-///
-/// Source: ICC.1:2022, 7.3 (tag table) and 9.2.41.
-fn description(profile: &[u8]) -> Option<String> {
-    let number = |at: usize| {
-        let bytes = profile.get(at..at.checked_add(4)?)?;
-        Some(u32::from_be_bytes(bytes.try_into().ok()?) as usize)
-    };
-    const TABLE: usize = 128;
-    let entries = (0..number(TABLE)?.min(100)).map(|index| TABLE + 4 + 12 * index);
-    for entry in entries {
-        if profile.get(entry..entry + 4)? == b"desc" {
-            let (start, length) = (number(entry + 4)?, number(entry + 8)?.min(200));
-            let text = profile.get(start..start.checked_add(length)?)?;
-            // Before the letters come the type and a length, or the lengths of a table of one.
-            let before = if text.starts_with(b"mluc") { 28 } else { 12 };
-            let letters = text.iter().skip(before).map(|&byte| char::from(byte));
-            return Some(
-                letters
-                    .filter(|c| c.is_ascii_graphic() || *c == ' ')
-                    .collect(),
-            );
-        }
-    }
-    None
-}
-
-/// The first pixel, row by row, that is not opaque.
-fn first_transparent(image: &DynamicImage) -> Option<usize> {
-    match image {
-        DynamicImage::ImageLumaA8(image) => image.pixels().position(|p| p.0[1] < u8::MAX),
-        DynamicImage::ImageRgba8(image) => image.pixels().position(|p| p.0[3] < u8::MAX),
-        DynamicImage::ImageLumaA16(image) => image.pixels().position(|p| p.0[1] < u16::MAX),
-        DynamicImage::ImageRgba16(image) => image.pixels().position(|p| p.0[3] < u16::MAX),
-        _ => None,
-    }
-}
-
-/// 8-bit codes; for 16-bit values the nearest, v/257.
-fn eight_bits(image: &DynamicImage) -> Vec<[u8; 3]> {
-    use DynamicImage::{ImageLuma16, ImageLumaA16, ImageRgb16, ImageRgba16};
-    if matches!(
-        image,
-        ImageLuma16(_) | ImageLumaA16(_) | ImageRgb16(_) | ImageRgba16(_)
-    ) {
-        let code = |wide: u16| ((u32::from(wide) + 128) / 257) as u8;
-        return image
-            .to_rgb16()
-            .pixels()
-            .map(|pixel| pixel.0.map(code))
-            .collect();
-    }
-    image.to_rgb8().pixels().map(|pixel| pixel.0).collect()
 }

@@ -64,22 +64,33 @@ impl Film {
 
 /// Mean and variance of the mean of the pixel `index`; `parts` are the numbers that each film counts for.
 fn pooled_pixel(films: &[Film], parts: &[u32], index: usize) -> ([f32; 3], [f32; 3]) {
-    let pixel = [0, 1, 2].map(|channel| {
-        pooled_value(films.iter().zip(parts).map(|(film, &count)| {
-            ReplicateMoments {
-                count: f64::from(count),
-                mean: f64::from(film.radiance[index][channel]),
-                // A single number has none, and `count` is 1.
-                variance_of_mean: film
-                    .noise()
-                    .map_or(0.0, |noise| f64::from(noise.variance[index][channel])),
-            }
+    let pooled = [0, 1, 2].map(|channel| {
+        pooled(films.iter().zip(parts).map(|(film, &count)| {
+            let mean = f64::from(film.radiance[index][channel]);
+            (f64::from(count), mean, film.variance_at(index, channel))
         }))
     });
     (
-        pixel.map(|(mean, _)| mean as f32),
-        pixel.map(|(_, variance)| variance as f32),
+        pooled.map(|(mean, _)| mean as f32),
+        pooled.map(|(_, variance)| variance as f32),
     )
+}
+
+/// Mean, and variance of the mean, of all values of parts, as if from one rendering: each part is the number of its values,
+/// their mean, and its variance, which a single number does not have. The squared deviations are those within the parts,
+/// `v·n·(n − 1)` each, and those of the parts' means from the common mean, `n·(m − mean)²`.
+fn pooled(parts: impl Iterator<Item = (f64, f64, f64)> + Clone) -> (f64, f64) {
+    let total: f64 = parts.clone().map(|(count, ..)| count).sum();
+    let mean = parts
+        .clone()
+        .map(|(count, mean, _)| count * mean)
+        .sum::<f64>()
+        / total;
+    let squares = parts.map(|(count, of_part, variance)| {
+        let deviation = of_part - mean;
+        variance * count * (count - 1.0) + count * deviation * deviation
+    });
+    (mean, squares.sum::<f64>() / (total - 1.0) / total)
 }
 
 /// Refuses films that are no independent renderings of one image.
@@ -120,35 +131,6 @@ fn bits(film: &Film) -> impl Iterator<Item = u32> {
     values.iter().map(|value| value.to_bits())
 }
 
-/// Moments of one channel of a pixel in one rendering.
-struct ReplicateMoments {
-    /// Number of values in `mean`.
-    count: f64,
-    mean: f64,
-    /// Variance of `mean`; meaningless if `count` is 1.
-    variance_of_mean: f64,
-}
-
-/// Mean, and variance of the mean, of all values of all parts, as if from one rendering. The
-/// squared deviations are those within the parts, `v·n·(n − 1)` each, and those of the parts' means
-/// from the common mean, `n·(m − mean)²`.
-fn pooled_value(parts: impl Iterator<Item = ReplicateMoments> + Clone) -> (f64, f64) {
-    let total: f64 = parts.clone().map(|part| part.count).sum();
-    let mean = parts
-        .clone()
-        .map(|part| part.count * part.mean)
-        .sum::<f64>()
-        / total;
-    let squares: f64 = parts
-        .map(|part| {
-            let within = part.variance_of_mean * part.count * (part.count - 1.0);
-            let deviation = part.mean - mean;
-            within + part.count * deviation * deviation
-        })
-        .sum();
-    (mean, squares / (total - 1.0) / total)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -160,13 +142,10 @@ mod tests {
         (0..count).map(number).collect()
     }
 
-    fn part(numbers: &[f64]) -> ReplicateMoments {
+    fn part(numbers: &[f64]) -> (f64, f64, f64) {
         let moments: Moments = numbers.iter().copied().collect();
-        ReplicateMoments {
-            count: numbers.len() as f64,
-            mean: moments.mean(),
-            variance_of_mean: moments.variance_of_mean().unwrap_or(0.0),
-        }
+        let variance = moments.variance_of_mean().unwrap_or(0.0);
+        (numbers.len() as f64, moments.mean(), variance)
     }
 
     /// Each operation rounds by half an epsilon of values no larger than the result times the
@@ -175,7 +154,7 @@ mod tests {
     fn parts_say_what_all_their_samples_say() {
         let series = [numbers(4, 1), numbers(7, 2), numbers(2, 3)];
         let all: Moments = series.iter().flatten().copied().collect();
-        let (mean, variance) = pooled_value(series.iter().map(|numbers| part(numbers)));
+        let (mean, variance) = pooled(series.iter().map(|numbers| part(numbers)));
         let close = |a: f64, b: f64| (a - b).abs() <= 13.0 * 16.0 * f64::EPSILON * b;
         assert!(close(mean, all.mean()), "{mean} {}", all.mean());
         let expected = all.variance_of_mean().unwrap();
@@ -186,7 +165,7 @@ mod tests {
     fn single_numbers_have_their_spread() {
         let single = numbers(5, 4);
         let all: Moments = single.iter().copied().collect();
-        let (mean, variance) = pooled_value(single.iter().map(|&number| part(&[number])));
+        let (mean, variance) = pooled(single.iter().map(|&number| part(&[number])));
         assert!((mean - all.mean()).abs() <= 16.0 * f64::EPSILON);
         let expected = all.variance_of_mean().unwrap();
         assert!((variance - expected).abs() <= 16.0 * f64::EPSILON * (1.0 + expected));

@@ -8,7 +8,7 @@ use crate::known_answers::Formula;
 use crate::render::{Plan, plans, render};
 use crate::scene::{Panel, Precision, Sampling, Scene};
 use crate::suite::golden::{accept_advice, plan_hash, scene_hash, short};
-use crate::suite::rendering::{ReferenceRenderer, Renderer, check_class};
+use crate::suite::rendering::check_class;
 use crate::suite::sensitivities;
 use crate::suite::{Case, CaseSampling, Golden, GoldenError, Quick, Store};
 use std::collections::BTreeMap;
@@ -45,6 +45,7 @@ impl From<Judgement> for CaseResult {
         };
         CaseResult {
             metrics: judgement.metrics,
+            gate: judgement.gate,
             changes: judgement.changes,
             detectable: judgement.detectable,
             ..CaseResult::new(verdict, cause, judgement.reason)
@@ -68,21 +69,12 @@ pub(crate) struct CheckedGolden {
 impl CheckedGolden {
     /// Loads scene and golden of `case`; an error in either is a finding.
     pub fn load(case: &Case, store: &Store) -> Result<CheckedGolden, CaseResult> {
-        CheckedGolden::load_for(&ReferenceRenderer, case, store)
-    }
-
-    /// [`CheckedGolden::load`], where another renderer stands in for the reference.
-    pub fn load_for(
-        renderer: &dyn Renderer,
-        case: &Case,
-        store: &Store,
-    ) -> Result<CheckedGolden, CaseResult> {
         let bad_input = |reason| CaseResult::new(Verdict::Error, Cause::BadInput, reason);
         let bad_golden = |reason| CaseResult::new(Verdict::Error, Cause::Golden, reason);
         let scene = case
             .load_scene()
             .map_err(|error| bad_input(error.to_string()))?;
-        check_class(renderer, case, &plans(&scene)).map_err(bad_input)?;
+        check_class(case, &plans(&scene)).map_err(bad_input)?;
         let golden = Golden::read(store, case).map_err(|error| match error {
             GoldenError::Missing(_) => {
                 CaseResult::new(Verdict::Missing, Cause::Golden, error.to_string())
@@ -220,25 +212,17 @@ impl CheckedGolden {
             name if name == "medium shadow" => "volume shadow".to_owned(),
             name => name,
         };
-        let omitted: Vec<String> = self
-            .plans()
-            .iter()
-            .map(|plan| {
-                let words: Vec<String> = plan.omitted().into_iter().map(word).collect();
-                words.join(", ")
-            })
-            .collect();
-        match &omitted[..] {
-            [one] => one.clone(),
-            panels => {
-                let said = panels.iter().enumerate();
-                let said = said.filter(|(_, names)| !names.is_empty());
-                let said: Vec<_> = said
-                    .map(|(index, names)| format!("{names} in panel {}", index + 1))
-                    .collect();
-                said.join(", ")
-            }
-        }
+        let plans = self.plans();
+        let of_panel = |(index, plan): (usize, &Plan<'_>)| {
+            let words: Vec<String> = plan.omitted().into_iter().map(word).collect();
+            let place = match plans.len() {
+                1 => String::new(),
+                _ => format!(" in panel {}", index + 1),
+            };
+            (!words.is_empty()).then(|| words.join(", ") + &place)
+        };
+        let said: Vec<String> = plans.iter().enumerate().filter_map(of_panel).collect();
+        said.join(", ")
     }
 }
 

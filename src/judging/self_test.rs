@@ -54,29 +54,6 @@ impl CaseTrials {
         self.unusable.is_none()
     }
 
-    /// These findings with those of another process, which may have tried other mistakes; `None` if they contradict
-    /// each other.
-    pub fn with(mut self, other: CaseTrials) -> Option<CaseTrials> {
-        if self.unusable != other.unusable {
-            return None;
-        }
-        for (mistake, trial) in other.mistakes {
-            match self.mistakes.get(&mistake).unwrap_or(&Trial::NotTried) {
-                Trial::NotTried => _ = self.mistakes.insert(mistake, trial),
-                known if trial != Trial::NotTried && *known != trial => return None,
-                _ => {}
-            }
-        }
-        for (variant, rejection) in other.benign {
-            match self.benign.iter().find(|(name, _)| *name == variant) {
-                None => self.benign.push((variant, rejection)),
-                Some((_, known)) if *known != rejection => return None,
-                Some(_) => {}
-            }
-        }
-        Some(self)
-    }
-
     fn trial(&self, mistake: &str) -> Trial {
         self.mistakes
             .get(mistake)
@@ -107,24 +84,20 @@ pub struct BenignTrials {
 
 impl BenignTrials {
     fn of(variant: &'static str, found: &[&CaseTrials]) -> BenignTrials {
-        let mut row = BenignTrials {
-            variant,
-            accepted: 0,
-            rejected: Vec::new(),
-        };
+        let (mut accepted, mut rejected) = (0, Vec::new());
         for of in found {
-            let tried = of.benign.iter().filter(|(name, _)| name == variant);
-            for (_, rejection) in tried {
+            for (_, rejection) in of.benign.iter().filter(|(name, _)| name == variant) {
                 match rejection {
-                    None => row.accepted += 1,
-                    Some(reason) => row.rejected.push(Rejection {
-                        case: of.case.clone(),
-                        reason: reason.clone(),
-                    }),
+                    None => accepted += 1,
+                    Some(reason) => rejected.push(Rejection::new(&of.case, reason)),
                 }
             }
         }
-        row
+        BenignTrials {
+            variant,
+            accepted,
+            rejected,
+        }
     }
 }
 
@@ -135,6 +108,15 @@ pub struct Rejection {
     pub case: String,
     /// Reason given by its gate.
     pub reason: String,
+}
+
+impl Rejection {
+    fn new(case: &str, reason: &str) -> Rejection {
+        Rejection {
+            case: case.to_owned(),
+            reason: reason.to_owned(),
+        }
+    }
 }
 
 /// Results of a self-test.
@@ -292,13 +274,9 @@ impl SelfTest {
                 }
             }
         }
-        let rejection = |case: &str, reason: &str| Rejection {
-            case: case.to_owned(),
-            reason: reason.to_owned(),
-        };
         let unusable = found
             .iter()
-            .filter_map(|of| Some(rejection(&of.case, of.unusable.as_ref()?)));
+            .filter_map(|of| Some(Rejection::new(&of.case, of.unusable.as_ref()?)));
         SelfTest {
             cases: usable.iter().map(|of| of.case.clone()).collect(),
             mistakes,

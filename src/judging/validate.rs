@@ -9,7 +9,8 @@ use super::precision::{before_background, known, known_radiance, other_readings}
 use super::{CaseResult, Cause, Evidence, Judged, Verdict, random_samples, refinement};
 use crate::compare::depth::OUTLIERS_OF_DEPTH;
 use crate::compare::{
-    Gate, Judgement, Picture, default_gate, judge, precision_in_words, stochastic::is_off_by_noise,
+    Gate, Judgement, Picture, PictureError, default_gate, judge, precision_in_words,
+    stochastic::is_off_by_noise,
 };
 use crate::conventions::Profile;
 use crate::film::{Alpha, Film};
@@ -129,25 +130,45 @@ pub(crate) fn validate_with(case: &Case, checked: &CheckedGolden, picture: Pictu
     let golden = profile.and_then(|_| random_samples::nearest(&checked.scene, &picture));
     let golden = golden.unwrap_or_else(|| reference(case, checked, &picture));
     let golden = Picture::Radiance(golden);
-    // An image that states its noise is judged by the stochastic gate, even in a deterministic case.
-    let (gate, _) = default_gate(&golden, &picture);
-    let has_step = case.is_limit() && checked.profile.is_none() && gate == Gate::Deterministic;
-    let (finding, gate) = if has_step {
-        let image = picture.radiance().expect("the gate is one of radiance");
-        let judgement = refinement::judge_one(checked, image);
-        (
-            with_words(case, checked, judgement, &picture, None),
-            Gate::Refinement,
-        )
-    } else {
-        (judged(case, gate, checked, &golden, &picture), gate)
+    let finding = match judged(case, checked, &golden, &picture) {
+        Ok(judgement) => with_words(case, checked, judgement, &picture),
+        Err(error) => {
+            let reason = error.to_string();
+            CaseResult::new(Verdict::Error, Cause::OtherRenderer, reason).of_case(
+                "",
+                "",
+                case.gate(),
+            )
+        }
     };
+    let gate = finding.gate;
     let finding = with_what_is_asked(case, checked, &picture, finding);
-    let result = finding.of_case(&case.name, case.class(), gate);
+    with_evidence(
+        case,
+        checked,
+        CaseResult { gate, ..finding },
+        picture,
+        Vec::new(),
+    )
+}
+
+/// The `finding` on `picture` as the result of `case`, with a note on what its precision hides.
+fn with_evidence(
+    case: &Case,
+    checked: &CheckedGolden,
+    mut finding: CaseResult,
+    picture: Picture,
+    refined: Vec<Film>,
+) -> Judged {
+    let film = picture.radiance();
+    let note = film.and_then(|film| precision_in_words(finding.gate, &finding.metrics, film));
+    finding.notes.extend(note);
+    let gate = finding.gate;
     Judged {
-        result: with_precision(result, &picture),
+        result: finding.of_case(&case.name, case.class(), gate),
         evidence: Evidence {
             test: Some(picture),
+            refined,
             ..evidence(case, checked)
         },
     }
@@ -220,29 +241,17 @@ fn validate_refined(case: &Case, checked: &CheckedGolden, images: Vec<Picture>) 
     let images = images.map(|image| known_radiance(case, &checked.golden.film, image));
     let images: Vec<Film> = images.collect();
     // Images that nobody sees, such as a limit by extrapolation, are evidence of nothing.
-    let (judgement, gate, seen) = match checked.profile {
+    let (judgement, seen) = match checked.profile {
         Some(_) => {
-            let judgement =
-                refinement::judge_under_profile(checked, &images, &checked.conditions(case));
-            (judgement, Gate::Deterministic, images.first())
+            let conditions = checked.conditions(case);
+            let judgement = refinement::judge_under_profile(checked, &images, &conditions);
+            (judgement, images.first())
         }
-        None => (
-            refinement::judge(checked, &images),
-            Gate::Refinement,
-            images.last(),
-        ),
+        None => (refinement::judge(checked, &images), images.last()),
     };
     let seen = Picture::Radiance(seen.expect("three images or more").clone());
-    let finding = with_words(case, checked, judgement, &seen, None);
-    let result = finding.of_case(&case.name, case.class(), gate);
-    Judged {
-        result: with_precision(result, &seen),
-        evidence: Evidence {
-            test: Some(seen),
-            refined: images,
-            ..evidence(case, checked)
-        },
-    }
+    let finding = with_words(case, checked, judgement, &seen);
+    with_evidence(case, checked, finding, seen, images)
 }
 
 /// The image that `picture` is compared with. The mean of samples is compared with the mean of their
@@ -301,52 +310,37 @@ fn agrees(case: &Case, checked: &CheckedGolden, film: &Film) -> bool {
     if !golden.is_comparable(film) {
         return false;
     }
-    let judgement = if case.is_limit() && checked.profile.is_none() {
-        Ok(refinement::judge_one(checked, film))
-    } else {
-        let [golden, film] = [golden, film].map(|film| Picture::Radiance(film.clone()));
-        let (gate, _) = default_gate(&golden, &film);
-        judge(gate, &golden, &film, &checked.conditions(case))
-    };
+    let [golden, film] = [golden, film].map(|film| Picture::Radiance(film.clone()));
+    let judgement = judged(case, checked, &golden, &film);
     judgement.is_ok_and(|judgement| judgement.passed && judgement.undecided.is_none())
 }
 
+/// Judges `picture` by `golden`. An image that states its noise is judged by the stochastic gate, even in a deterministic
+/// case.
 fn judged(
     case: &Case,
-    gate: Gate,
     checked: &CheckedGolden,
     golden: &Picture,
     picture: &Picture,
-) -> CaseResult {
-    let judgement = match judge(gate, golden, picture, &checked.conditions(case)) {
-        Ok(judgement) => judgement,
-        Err(error) => {
-            return CaseResult::new(Verdict::Error, Cause::OtherRenderer, error.to_string());
-        }
-    };
-    let stops = ["stops", "stop"][usize::from(case.exposure.abs() == 1.0)];
-    let exposure = format!("; exposure of the case: {} {stops}", case.exposure);
-    let exposure = (gate == Gate::Perceptual).then_some(exposure);
-    with_words(case, checked, judgement, picture, exposure)
+) -> Result<Judgement, PictureError> {
+    let has_step = case.is_limit() && checked.profile.is_none();
+    match (default_gate(golden, picture).0, picture.radiance()) {
+        (Gate::Deterministic, Some(image)) if has_step => Ok(refinement::judge_one(checked, image)),
+        (gate, _) => judge(gate, golden, picture, &checked.conditions(case)),
+    }
 }
 
-/// `result` with a note on what the precision of `picture` hides.
-fn with_precision(mut result: CaseResult, picture: &Picture) -> CaseResult {
-    let film = picture.radiance();
-    let note = film.and_then(|film| precision_in_words(result.gate, &result.metrics, film));
-    result.notes.extend(note);
-    result
-}
-
-/// The finding of `judgement` on `picture`, with measurements of a whole image that fails, and the `exposure` of the case
-/// in words, unless nothing was drawn.
+/// The finding of `judgement` on `picture`, with measurements of a whole image that fails, and the exposure of the case
+/// where that counts, unless nothing was drawn.
 fn with_words(
     case: &Case,
     checked: &CheckedGolden,
     judgement: Judgement,
     picture: &Picture,
-    mut exposure: Option<String>,
 ) -> CaseResult {
+    let stops = ["stops", "stop"][usize::from(case.exposure.abs() == 1.0)];
+    let exposure = format!("; exposure of the case: {} {stops}", case.exposure);
+    let mut exposure = (judgement.gate == Gate::Perceptual).then_some(exposure);
     let mut finding = CaseResult::from(judgement);
     if finding.verdict == Verdict::Fail {
         // What holds for the whole image comes first: it explains what the gate saw.

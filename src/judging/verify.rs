@@ -7,12 +7,10 @@ use super::{CaseResult, Cause, Evidence, Judged, Verdict};
 use crate::compare::{Conditions, Gate, Judgement, Picture, judge, stochastic};
 use crate::film::Film;
 use crate::known_answers::Formula;
-use crate::render::{self, Detail, plans};
+use crate::render::{self, plans};
 use crate::suite::ERROR_OF_TOLERANCE;
 use crate::suite::golden::{input_hashes, short};
-use crate::suite::rendering::{
-    CaseRendering, ReferenceRenderer, Renderer, check_class, render_case,
-};
+use crate::suite::rendering::{CaseRendering, Render, check_class, render_case};
 use crate::suite::{Answer, Case, Golden, Quick, Store, Suite, SuiteError};
 use std::time::Instant;
 
@@ -21,18 +19,18 @@ use std::time::Instant;
 /// the rendering held to it. Reads goldens, never writes them.
 /// `progress` is called for each step of the image.
 pub fn verify(case: &Case, store: &Store, progress: render::Progress<'_>) -> Judged {
-    verify_with(&ReferenceRenderer, case, store, progress)
+    verify_with(&render::render, case, store, progress)
 }
 
 pub(crate) fn verify_with(
-    renderer: &dyn Renderer,
+    render: &Render<'_>,
     case: &Case,
     store: &Store,
     progress: render::Progress<'_>,
 ) -> Judged {
     let start = Instant::now();
     let mut evidence = Evidence::of(case);
-    let finding = CheckedGolden::load_for(renderer, case, store).and_then(|checked| {
+    let finding = CheckedGolden::load(case, store).and_then(|checked| {
         evidence.provenance = checked.provenance();
         evidence.golden = Some(checked.golden.film.clone());
         let quick = checked.golden.provenance.quick.as_ref();
@@ -40,15 +38,9 @@ pub(crate) fn verify_with(
             (Some(_), Some(quick)) => CaseRendering::Quick(quick.samples),
             _ => CaseRendering::Only,
         };
-        let film = render_case(
-            renderer,
-            &checked.plans(),
-            rendering,
-            Detail::Whole,
-            progress,
-        )
-        .map_err(|reason| CaseResult::new(Verdict::Fail, Cause::Mismatch, reason))?
-        .film;
+        let film = render_case(render, &checked.plans(), rendering, progress)
+            .map_err(|reason| CaseResult::new(Verdict::Fail, Cause::Mismatch, reason))?
+            .film;
         let mut finding = match (case.truth, quick) {
             (_, None) => compare(&checked, &film),
             (None, Some(quick)) => compare_sampled(&checked, quick, &film),
@@ -91,7 +83,7 @@ pub(crate) fn show_unjudged(
 ) {
     let Ok(scene) = case.load_scene() else { return };
     let plans = plans(&scene);
-    if check_class(&ReferenceRenderer, case, &plans).is_err() {
+    if check_class(case, &plans).is_err() {
         return;
     }
     evidence.golden = Golden::read(store, case).ok().map(|golden| golden.film);
@@ -99,13 +91,7 @@ pub(crate) fn show_unjudged(
         Some(sampling) => CaseRendering::Quick(sampling.quick),
         None => CaseRendering::Only,
     };
-    let image = render_case(
-        &ReferenceRenderer,
-        &plans,
-        rendering,
-        Detail::Whole,
-        progress,
-    );
+    let image = render_case(&render::render, &plans, rendering, progress);
     evidence.test = image.ok().map(|image| Picture::Radiance(image.film));
 }
 

@@ -1,6 +1,5 @@
 //! Images of a renderer that are kept in a folder of the user: those of a case as the last call wrote them.
 
-use crate::compare::Picture;
 use crate::files::atomic_file::directory_of;
 use crate::files::{golden_mark, own_file, partial_file, regular_file};
 use crate::suite::{OutputError, Outputs, entries};
@@ -30,7 +29,7 @@ impl KeptImages {
         let files = files_in(written)?;
         let read = files.into_iter().filter_map(|file| {
             // The verdict tells an image that cannot be read.
-            let bytes = regular_file::read_any(&file, Picture::MOST_BYTES).ok()?;
+            let bytes = regular_file::read_any(&file, regular_file::MOST_BYTES).ok()?;
             Some((file.strip_prefix(written).ok()?.to_owned(), bytes))
         });
         self.replace(case, read)

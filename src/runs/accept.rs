@@ -10,14 +10,12 @@ use crate::judging::finding::MARGIN;
 use crate::judging::truth::judge_by_truth;
 use crate::judging::verify::judge_quick;
 use crate::known_answers::Formula;
-use crate::render::{Detail, Watch, plans};
+use crate::render::{self, Watch, plans};
 use crate::scene::Scene;
 use crate::suite::golden::{
     Golden, GoldenImage, Reasons, input_hashes, plan_hash, scene_hash, sensitivities_file,
 };
-use crate::suite::rendering::{
-    CaseRendering, ReferenceRenderer, Renderer, check_class, render_case,
-};
+use crate::suite::rendering::{CaseRendering, Render, check_class, render_case};
 use crate::suite::{Case, ConvergedSampling, GoldenError, Quick, Store, StoreError, sensitivities};
 use miette::Diagnostic;
 use std::fmt::Display;
@@ -92,11 +90,11 @@ pub fn accept(
     watch: &dyn Watch,
     step: &dyn Fn(Step<'_>),
 ) -> Result<Vec<Accepted>, AcceptError> {
-    accept_with(&ReferenceRenderer, cases, store, request, watch, step)
+    accept_with(&render::render, cases, store, request, watch, step)
 }
 
 pub(crate) fn accept_with(
-    renderer: &dyn Renderer,
+    render: &Render<'_>,
     cases: &[&Case],
     store: &Store,
     request: Request<'_>,
@@ -108,7 +106,7 @@ pub(crate) fn accept_with(
     // All scenes first: a mistake in the last is not to be found after hours.
     let mut tasks = cases
         .iter()
-        .map(|case| LoadedCase::of(renderer, case))
+        .map(|case| LoadedCase::of(case))
         .collect::<Result<Vec<_>, _>>()?;
     for task in &mut tasks {
         if request.keep_images {
@@ -120,7 +118,7 @@ pub(crate) fn accept_with(
     let mut files = Vec::new();
     for task in tasks {
         step(Step::Begins(&task.case.name));
-        let image = task.picture(renderer, watch)?;
+        let image = task.picture(render, watch)?;
         let (change, mut new) = prepare(&task, image, store, reason)?;
         accepted.push(change);
         files.append(&mut new);
@@ -162,11 +160,11 @@ struct LoadedCase<'c> {
 }
 
 impl<'c> LoadedCase<'c> {
-    fn of(renderer: &dyn Renderer, case: &'c Case) -> Result<LoadedCase<'c>, AcceptError> {
+    fn of(case: &'c Case) -> Result<LoadedCase<'c>, AcceptError> {
         let scene = case
             .load_scene()
             .map_err(|error| AcceptError::incomplete(case, error))?;
-        check_class(renderer, case, &plans(&scene))
+        check_class(case, &plans(&scene))
             .map_err(|reason| AcceptError::incomplete(case, reason))?;
         let renderings = match case.sampling {
             None => vec![CaseRendering::Only],
@@ -215,14 +213,10 @@ impl<'c> LoadedCase<'c> {
     }
 
     /// The picture of the golden, with the rendering that `verify` repeats.
-    fn picture(
-        &self,
-        renderer: &dyn Renderer,
-        watch: &dyn Watch,
-    ) -> Result<GoldenImage, AcceptError> {
+    fn picture(&self, render: &Render<'_>, watch: &dyn Watch) -> Result<GoldenImage, AcceptError> {
         let (plans, mut films, mut error_bound) = (plans(&self.scene), Vec::new(), None);
         for rendering in &self.renderings {
-            let made = render_case(renderer, &plans, *rendering, Detail::Whole, watch)
+            let made = render_case(render, &plans, *rendering, watch)
                 .map_err(|reason| AcceptError::incomplete(self.case, reason))?;
             films.push(made.film);
             error_bound = made.error_bound;

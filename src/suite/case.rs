@@ -11,6 +11,7 @@ use crate::scene::format::{Key, Kind, Range, Table};
 use crate::scene::reader::Reader;
 use crate::scene::{Scene, SceneError, SceneResult};
 use crate::variations::mistakes;
+use glam::DVec3;
 use miette::Diagnostic;
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 use std::path::{Path, PathBuf};
@@ -629,12 +630,8 @@ fn case_of(path: &Path, reader: &Reader) -> SceneResult<Case> {
     }
     let depth = read_depth(reader, &class)?;
     let (opacity, promise): (bool, f64) = (reader.get("opacity")?, reader.get("mean_resolution")?);
-    let numbers = match answer {
-        Some(Answer::EveryPixel { radiance, within }) => Some((radiance, Some(within))),
-        Some(Answer::InTheMean(radiance)) => Some((radiance, None)),
-        None => None,
-    };
-    let (radiance, within) = numbers.unzip();
+    let (radiance, within): (Option<DVec3>, Option<f64>) =
+        (reader.get("answer")?, reader.get("answer_within")?);
     let changed = [
         ("class", (class == LIMIT).then(|| class.clone())),
         (
@@ -644,10 +641,7 @@ fn case_of(path: &Path, reader: &Reader) -> SceneResult<Case> {
         ("opacity", opacity.then(|| opacity.to_string())),
         ("depth", depth.map(|depth| depth.to_string())),
         ("answer", radiance.map(|radiance| radiance.to_string())),
-        (
-            "answer_within",
-            within.flatten().map(|within| within.to_string()),
-        ),
+        ("answer_within", within.map(|within| within.to_string())),
     ];
     let changed = changed.into_iter();
     let suite = folder.ancestors().nth(3).unwrap_or(Path::new(""));

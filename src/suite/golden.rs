@@ -169,45 +169,20 @@ pub enum GoldenError {
     /// All its files are missing.
     #[error("there is no golden yet; {0}")]
     Missing(String),
-    /// Some files are missing.
-    #[error("the golden is incomplete: {0} is missing; restore it from version control")]
-    Incomplete(String),
-    /// A file cannot be read.
-    #[error("{file}: {reason}; restore it from version control")]
-    Unreadable {
-        /// The file.
-        file: String,
-        /// Reason.
-        reason: String,
-    },
-    /// Contents and hash do not match.
-    #[error(
-        "{file} has changed since it was accepted: its hash is {found}, the golden records \
-        {expected}; \
-         restore it from version control"
-    )]
-    Tampered {
-        /// The file.
-        file: String,
-        /// Hash of the file.
-        found: String,
-        /// Hash at acceptance.
-        expected: String,
-    },
-    /// Sensitivities that are not those of the golden.
+    /// A file is missing, or is not what was accepted.
     #[error("{0}")]
-    Sensitivities(String),
+    Untrusted(String),
     /// The files below the goldens are in disorder.
     #[error(transparent)]
     Store(#[from] StoreError),
 }
 
 impl GoldenError {
-    /// [`GoldenError::Sensitivities`] of `case`.
+    /// Sensitivities of `case` that are not those of its golden.
     pub(crate) fn sensitivities(case: &Case, fault: impl Display) -> GoldenError {
         let (file, scene) = (shown(&sensitivities_file(case)), quoted_scene(case));
         let (name, suite) = (&case.name, case.suite_option());
-        GoldenError::Sensitivities(format!(
+        GoldenError::Untrusted(format!(
             "{file} {fault}; restore the golden from version control, or make this file anew (volref sensitivity \
              {scene} --all -o FILE) and record it (volref accept {name}{suite} --keep-images --reason ...)"
         ))
@@ -305,14 +280,21 @@ impl Golden {
             return Err(GoldenError::Missing(accept_advice(case)));
         }
         let shown = |index: usize| shown(&paths[index]);
+        let restore = |fault: String| {
+            GoldenError::Untrusted(format!("{fault}; restore it from version control"))
+        };
+        let incomplete = |index| {
+            restore(format!(
+                "the golden is incomplete: {} is missing",
+                shown(index)
+            ))
+        };
         let mut bytes = Vec::new();
         for (index, content) in contents.into_iter().enumerate() {
-            bytes.push(content.ok_or_else(|| GoldenError::Incomplete(shown(index)))?);
+            bytes.push(content.ok_or_else(|| incomplete(index))?);
         }
-        let unreadable = |index: usize, reason: String| GoldenError::Unreadable {
-            file: shown(index),
-            reason,
-        };
+        let unreadable =
+            |index: usize, reason: String| restore(format!("{}: {reason}", shown(index)));
         let text = std::str::from_utf8(&bytes[2])
             .map_err(|_| unreadable(2, "not UTF-8 text".to_owned()))?;
         let provenance: Provenance =
@@ -338,11 +320,12 @@ impl Golden {
             (1, hash(&bytes[1]), &provenance.preview),
         ] {
             if found != *expected {
-                return Err(GoldenError::Tampered {
-                    file: shown(index),
-                    found: short(&found),
-                    expected: short(expected),
-                });
+                return Err(restore(format!(
+                    "{} has changed since it was accepted: its hash is {}, the golden records {}",
+                    shown(index),
+                    short(&found),
+                    short(expected)
+                )));
             }
         }
         Ok(Golden {

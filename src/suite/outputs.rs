@@ -14,10 +14,9 @@
 
 use crate::compare::{Picture, PictureError};
 use crate::files::misspelling::nearest;
-use crate::film::{Film, FilmError, FilmFormat};
+use crate::film::{Film, FilmFormat};
 use crate::math;
 use std::collections::{BTreeMap, BTreeSet};
-use std::io;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
@@ -73,21 +72,10 @@ pub struct UnknownFile {
     pub reason: String,
 }
 
-/// Errors in finding the files of a case's image.
+/// A folder that cannot be read, or files of a case that do not say which image is meant.
 #[derive(Debug, Error)]
-pub enum OutputError {
-    /// A folder cannot be listed.
-    #[error("{}: the folder cannot be read: {error}", folder.display())]
-    Folder {
-        /// Path.
-        folder: PathBuf,
-        /// Error of the operating system.
-        error: io::Error,
-    },
-    /// The files do not say which image is meant.
-    #[error("{0}")]
-    Unclear(String),
-}
+#[error("{0}")]
+pub struct OutputError(String);
 
 /// Role of a file in its case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -149,7 +137,7 @@ impl Outputs {
         let Some(files) = self.by_case.get(case) else {
             return Ok(None);
         };
-        let unclear = |why: String| Err(OutputError::Unclear(format!("{case}: {why}")));
+        let unclear = |why: String| Err(OutputError(format!("{case}: {why}")));
         let files: Vec<_> = files.iter().collect();
         // Steps stand before replicates.
         let contradict = |pair: &&[&(Role, PathBuf)]| match (pair[0].0, pair[1].0) {
@@ -308,9 +296,9 @@ fn role_of<'c>(
 
 /// Entries of a folder but hidden ones, sorted by name; true for folders.
 pub(crate) fn entries(folder: &Path) -> Result<Vec<(PathBuf, bool)>, OutputError> {
-    let trouble = |error| OutputError::Folder {
-        folder: folder.to_owned(),
-        error,
+    let trouble = |error: std::io::Error| {
+        let folder = folder.display();
+        OutputError(format!("{folder}: the folder cannot be read: {error}"))
     };
     let mut entries = Vec::new();
     for entry in std::fs::read_dir(folder).map_err(trouble)? {
@@ -425,21 +413,14 @@ impl Found {
     }
 }
 
-fn in_film(path: &Path) -> impl Fn(FilmError) -> PictureError + '_ {
-    |error| PictureError::Film {
-        path: path.display().to_string(),
-        error,
-    }
-}
-
 /// The radiance in `file`, which is to have noise.
 fn radiance(file: &Path) -> Result<Film, PictureError> {
     match Picture::read(file)? {
         Picture::Radiance(film) => Ok(film),
-        Picture::Codes(_) => Err(in_film(file)(FilmError::Unsuited {
-            what: "a PNG has no noise that could be judged".to_owned(),
-            remedy: "write linear radiance, as .exr, .pfm or .npy; or one .png alone",
-        })),
+        Picture::Codes(_) => Err(PictureError::of(
+            file,
+            "a PNG has no noise that could be judged; write linear radiance, as .exr, .pfm or .npy; or one .png alone",
+        )),
     }
 }
 
@@ -450,7 +431,7 @@ fn with_variance(file: &Path, variance: &Path) -> Result<Picture, PictureError> 
         let film = film.with_variance_of(&spread, samples)?;
         Ok(Picture::Radiance(film))
     });
-    noise.map_err(in_film(variance))
+    noise.map_err(|error| PictureError::of(variance, error))
 }
 
 /// `picture` with the depths in the file `depth`; a PNG is left without.
@@ -460,12 +441,14 @@ fn with_depth(picture: Picture, depth: &Path) -> Result<Picture, PictureError> {
     };
     let bytes = Picture::bytes(depth)?;
     let depths = Film::from_npy(&bytes).and_then(|depths| film.with_depth_of(&depths));
-    depths.map(Picture::Radiance).map_err(in_film(depth))
+    depths
+        .map(Picture::Radiance)
+        .map_err(|error| PictureError::of(depth, error))
 }
 
 fn pooled(files: &[PathBuf]) -> Result<Picture, PictureError> {
     let films: Result<Vec<Film>, PictureError> = files.iter().map(|file| radiance(file)).collect();
     let first = files.first().map_or(Path::new(""), PathBuf::as_path);
-    let film = Film::from_replicates(&films?).map_err(in_film(first))?;
+    let film = Film::from_replicates(&films?).map_err(|error| PictureError::of(first, error))?;
     Ok(Picture::Radiance(film))
 }

@@ -7,7 +7,7 @@
 //! N --seed S` makes either again.
 
 use super::Case;
-use crate::render::{self, Detail, Plan, RenderError, Rendering, Seed};
+use crate::render::{Plan, Progress, RenderError, Rendering, Sampling, Seed};
 
 /// Added to the seed of every panel for the converged rendering.
 const CONVERGED: u64 = 1 << 63;
@@ -25,11 +25,11 @@ pub(crate) enum CaseRendering {
 
 impl CaseRendering {
     /// Samples and random numbers of this rendering.
-    fn sampling(self) -> render::Sampling {
+    fn sampling(self) -> Sampling {
         match self {
-            CaseRendering::Only => render::Sampling::default(),
-            CaseRendering::Quick(samples) => render::Sampling::of_samples(samples),
-            CaseRendering::Converged(samples) => render::Sampling {
+            CaseRendering::Only => Sampling::default(),
+            CaseRendering::Quick(samples) => Sampling::of_samples(samples),
+            CaseRendering::Converged(samples) => Sampling {
                 samples: Some(samples),
                 seed: Seed::Replicate(CONVERGED),
             },
@@ -37,51 +37,19 @@ impl CaseRendering {
     }
 }
 
-/// Makes the pictures of cases.
-pub(crate) trait Renderer: Sync {
-    /// True if random numbers are used.
-    fn is_sampled(&self, plans: &[Plan<'_>]) -> bool;
+/// Makes the picture of the panels of plans: [`render`](crate::render::render), for which tests have another.
+pub(crate) type Render<'r> =
+    dyn Fn(&[Plan<'_>], Sampling, Progress<'_>) -> Result<Rendering, RenderError> + 'r;
 
-    /// The picture of the panels of `plans`, or a part of it.
-    fn render(
-        &self,
-        plans: &[Plan<'_>],
-        sampling: render::Sampling,
-        detail: Detail,
-        progress: render::Progress<'_>,
-    ) -> Result<Rendering, RenderError>;
-}
-
-/// The fast renderers of this crate; tests of the suite have others.
-pub(crate) struct ReferenceRenderer;
-
-impl Renderer for ReferenceRenderer {
-    fn is_sampled(&self, plans: &[Plan<'_>]) -> bool {
-        plans.iter().any(Plan::is_sampled)
-    }
-
-    fn render(
-        &self,
-        plans: &[Plan<'_>],
-        sampling: render::Sampling,
-        detail: Detail,
-        progress: render::Progress<'_>,
-    ) -> Result<Rendering, RenderError> {
-        render::render_part(plans, sampling, detail, &|| false, progress)
-    }
-}
-
-/// One rendering of a case, or a part of it.
+/// One rendering of a case.
 pub(crate) fn render_case(
-    renderer: &dyn Renderer,
+    render: &Render<'_>,
     plans: &[Plan<'_>],
     rendering: CaseRendering,
-    detail: Detail,
-    progress: render::Progress<'_>,
+    progress: Progress<'_>,
 ) -> Result<Rendering, String> {
-    let picture = renderer
-        .render(plans, rendering.sampling(), detail, progress)
-        .map_err(|error| error.to_string())?;
+    let picture = render(plans, rendering.sampling(), progress);
+    let picture = picture.map_err(|error| error.to_string())?;
     if rendering != CaseRendering::Only && picture.film.noise().is_none() {
         return Err(
             "the image states no noise: a stochastic case cannot mix panels with and without \
@@ -93,11 +61,7 @@ pub(crate) fn render_case(
 }
 
 /// Fails where the class of the case is not that of its scene.
-pub(crate) fn check_class(
-    renderer: &dyn Renderer,
-    case: &Case,
-    plans: &[Plan<'_>],
-) -> Result<(), String> {
+pub(crate) fn check_class(case: &Case, plans: &[Plan<'_>]) -> Result<(), String> {
     let continuous = plans.iter().filter(|plan| plan.is_continuous()).count();
     if case.is_limit() && continuous < plans.len() {
         return Err(
@@ -112,7 +76,7 @@ pub(crate) fn check_class(
                 .to_owned(),
         );
     }
-    match (case.sampling.is_some(), renderer.is_sampled(plans)) {
+    match (case.sampling.is_some(), plans.iter().any(Plan::is_sampled)) {
         (true, true) | (false, false) => Ok(()),
         (true, false) => Err(
             "the case states class = \"stochastic\", but its scene is rendered without random \

@@ -427,7 +427,6 @@ fn what_a_pass_would_not_have_seen() {
             name: "density".to_owned(),
             words: format!("density {percent} %"),
             change: 0.01 * percent,
-            without_score: None,
         }];
         verdict_text(&result, 20)
     };

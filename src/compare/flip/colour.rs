@@ -3,8 +3,6 @@
 //! From sRGB codes to the linear opponent space in which the eye's blur is applied, and from
 //! there to a perceptual space in which colours are subtracted.
 
-use rayon::prelude::*;
-
 use super::SrgbImage;
 use super::plane::Plane;
 use super::power::power;
@@ -75,23 +73,12 @@ impl OpponentPlanes {
             .map(|code| srgb_to_linear(f64::from(code) / 255.0))
             .collect();
         let mut planes = [(); 3].map(|()| Plane::new(image.width(), image.height()));
-        let [luminance, red_green, blue_yellow] = &mut planes;
-        let width = image.width();
-        (
-            image.pixels().par_chunks(width),
-            luminance.samples_mut().par_chunks_mut(width),
-            red_green.samples_mut().par_chunks_mut(width),
-            blue_yellow.samples_mut().par_chunks_mut(width),
-        )
-            .into_par_iter()
-            .for_each(|(pixels, luminance, red_green, blue_yellow)| {
-                for (((pixel, y), cx), cz) in
-                    pixels.iter().zip(luminance).zip(red_green).zip(blue_yellow)
-                {
-                    let rgb = pixel.map(|code| light_of_code[usize::from(code)]);
-                    [*y, *cx, *cz] = opponent(apply(&RELATIVE_XYZ, rgb));
-                }
-            });
+        for (index, pixel) in image.pixels().iter().enumerate() {
+            let rgb = pixel.map(|code| light_of_code[usize::from(code)]);
+            for (plane, value) in planes.iter_mut().zip(opponent(apply(&RELATIVE_XYZ, rgb))) {
+                plane.samples_mut()[index] = value;
+            }
+        }
         Self(planes)
     }
 

@@ -11,18 +11,6 @@ pub const BLOCK: usize = 8;
 /// part of the tolerance of the deterministic gate.
 pub const DARK: f64 = 1e-3;
 
-/// Sums over one channel of the image.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Total {
-    /// Sum of the reference.
-    pub radiance: f64,
-    pub difference: Difference,
-    /// [Own](Variance::own) variance.
-    pub own: f64,
-    /// Variances that reference and test image state; 0 where one does not.
-    pub stated: [f64; 2],
-}
-
 /// Relative rounding error of half precision, 11 significant bits.
 const HALF_ROUNDING: f64 = 1.0 / 2048.0;
 /// Relative error of a sum in single precision for each sample: an addition rounds by 2⁻²⁴ of the sum so
@@ -138,7 +126,7 @@ impl Variance {
     }
 }
 
-/// Sums over one channel of a block.
+/// Sums over one channel of a block, or of the image.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Channel {
     /// Sum of the reference.

@@ -1,7 +1,7 @@
 //! Two images compared block by block, with variances that are not stated filled in.
 
 use super::super::significance::deviation;
-use super::blocks::{Block, Channel, Rounding, Total, Variance, blocks, parts};
+use super::blocks::{Block, Channel, Rounding, Variance, blocks, parts};
 use super::variance::{NoiseShape, Stated, unstated};
 use crate::film::Film;
 
@@ -158,13 +158,13 @@ impl<'f> Comparison<'f> {
     }
 
     /// The channels of the whole image.
-    pub fn totals(&self) -> [Total; 3] {
-        let mut totals = [Total::default(); 3];
+    pub fn totals(&self) -> [Channel; 3] {
+        let mut totals = [Channel::default(); 3];
         for block in &self.blocks {
             for (total, channel) in totals.iter_mut().zip(&block.channels) {
                 total.radiance += channel.radiance;
                 total.difference.add(channel.difference);
-                total.own += channel.variance.own();
+                total.variance.own[0] += channel.variance.own();
                 for (sum, stated) in total.stated.iter_mut().zip(channel.stated) {
                     *sum += stated;
                 }
@@ -176,7 +176,7 @@ impl<'f> Comparison<'f> {
     /// Deviation of the whole image, in standard errors. Where one image does not state its
     /// noise and is the brighter one, by its own variance alone: k rare events make it brighter by
     /// √k of the standard errors that they cause themselves, at most.
-    pub fn deviation(&self, total: &Total) -> f64 {
+    pub fn deviation(&self, total: &Channel) -> f64 {
         let beyond = total.difference.beyond_rounding();
         let is_brighter = match unstated(self.stated) {
             Some(0) => beyond < 0.0,
@@ -184,7 +184,7 @@ impl<'f> Comparison<'f> {
             None => false,
         };
         let variance = if is_brighter {
-            total.own
+            total.variance.own()
         } else {
             self.variance_of_whole(total)
         };
@@ -192,8 +192,8 @@ impl<'f> Comparison<'f> {
     }
 
     /// The larger variance of the whole image, own or guard.
-    pub fn variance_of_whole(&self, total: &Total) -> f64 {
+    pub fn variance_of_whole(&self, total: &Channel) -> f64 {
         let guard = self.shape.guard_of_whole(total.stated, total.radiance);
-        total.own.max(guard)
+        total.variance.own().max(guard)
     }
 }

@@ -291,8 +291,7 @@ fn judgement(
         faults.extend(judge_scales(comparison, level));
     }
     let is_biased = !faults.is_empty();
-    let deviations = limits.deviations();
-    let numbers = judge_numbers(comparison, sensitivities, level, deviations, &mut metrics);
+    let numbers = judge_numbers(comparison, sensitivities, level, &mut metrics);
     faults.extend(numbers.fault);
     let pixels = PixelDifferences::new(comparison);
     let hits = Hits::of(comparison.films);

@@ -18,12 +18,11 @@ pub(super) struct NumberFindings {
 }
 
 /// Tests for an error in each number of which a sensitivity is known, and in those of the values of an
-/// image, all together at `level`; a block and the mean of the image are rejected beyond these deviations.
+/// image, all together at `level`.
 pub(super) fn judge_numbers(
     comparison: &Comparison<'_>,
     sensitivities: &[Sensitivity],
     level: f64,
-    deviations: [f64; 2],
     metrics: &mut Metrics,
 ) -> NumberFindings {
     if sensitivities.is_empty() || comparison.numbers().contains(&None) {
@@ -39,7 +38,7 @@ pub(super) fn judge_numbers(
     let (_, largest) = scores.largest();
     metrics.push(("scores", tests));
     metrics.push(("largest_score", finite(largest)));
-    findings.detectable = scores.detectable(level / tests, deviations);
+    findings.detectable = scores.detectable(level / tests);
     if scores.is_rejected(level / tests) {
         let best = scores.best();
         findings.fault = Some(scores.in_words(&best));

@@ -91,11 +91,6 @@ impl<'c> Limits<'c> {
         [of_mean, of_nine_tenths(&comparison.blocks, of_block)].map(finite)
     }
 
-    /// Standard errors at which a block and the mean of the image are rejected, by the finer image's noise.
-    pub fn deviations(&self) -> [f64; 2] {
-        [self.guard, self.whole]
-    }
-
     /// The standard errors, by the larger of both estimates, up to which a channel of a block may
     /// be off among so many.
     pub fn of_block(&self, block: &Block, channel: usize) -> f64 {

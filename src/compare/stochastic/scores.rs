@@ -63,11 +63,6 @@ struct Cell {
 }
 
 impl Cell {
-    /// Variance of the difference, the larger of both estimates.
-    fn variance(&self) -> f64 {
-        self.variances[0].max(self.variances[1])
-    }
-
     /// The part of the information on number `k`.
     fn information(&self, k: usize) -> f64 {
         let [derivative, noise] = self.derivatives[k];
@@ -211,35 +206,18 @@ impl<'s> Scores<'s> {
         self.largest().1.abs() >= critical(level)
     }
 
-    /// The smallest change of each number that would be rejected with probability one half: by its
-    /// score, and by blocks and the mean of the image, at these deviations.
-    pub fn detectable(&self, level: f64, [of_block, of_whole]: [f64; 2]) -> Vec<Detectable> {
-        let critical = critical(level);
-        let of_number = |(k, tested): (usize, &Tested)| {
-            let visible = critical * tested.expected_variance.sqrt() + tested.hidden;
+    /// The smallest change of each number that its score would reject with probability one half.
+    pub fn detectable(&self, level: f64) -> Vec<Detectable> {
+        let of_number = |(sensitivity, tested): (&&Sensitivity, &Tested)| {
+            let visible = critical(level) * tested.expected_variance.sqrt() + tested.hidden;
             let change = visible / tested.information;
-            let (mut sums, mut without_score) = ([[0.0; 2]; 3], f64::INFINITY);
-            for (at, cell) in self.cells.iter().enumerate() {
-                let variance = cell.variance();
-                let [derivative, noise] = cell.derivatives[k];
-                // What noise makes of the derivative of a block is no change of it.
-                let known = (derivative * derivative - noise).max(0.0).sqrt();
-                without_score = f64::min(without_score, of_block * variance.sqrt() / known);
-                sums[at % 3][0] += derivative;
-                sums[at % 3][1] += variance;
-            }
-            for [derivative, variance] in sums {
-                without_score =
-                    f64::min(without_score, of_whole * variance.sqrt() / derivative.abs());
-            }
             change.is_finite().then(|| Detectable {
-                name: self.sensitivities[k].name.clone(),
-                words: self.sensitivities[k].size_in_words(change),
+                name: sensitivity.name.clone(),
+                words: sensitivity.size_in_words(change),
                 change,
-                without_score: Some(without_score).filter(|size| size.is_finite()),
             })
         };
-        let tested = self.tested.iter().enumerate();
+        let tested = self.sensitivities.iter().zip(&self.tested);
         tested.filter_map(of_number).collect()
     }
 

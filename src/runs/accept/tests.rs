@@ -38,18 +38,8 @@ impl ExtraNoise {
     }
 }
 
-impl Renderer for ExtraNoise {
-    fn is_sampled(&self, _: &[Plan<'_>]) -> bool {
-        true
-    }
-
-    fn render(
-        &self,
-        plans: &[Plan<'_>],
-        sampling: Sampling,
-        detail: Detail,
-        _: Progress<'_>,
-    ) -> Result<Rendering, RenderError> {
+impl ExtraNoise {
+    fn render(&self, plans: &[Plan<'_>], sampling: Sampling) -> Result<Rendering, RenderError> {
         let panel = plans[0].panel;
         let Model::Radiative(radiative) = &panel.model else {
             panic!("not the scene of this test")
@@ -59,7 +49,6 @@ impl Renderer for ExtraNoise {
         self.calls.lock().unwrap().push((samples, seed));
         let bias = if samples < 400 { self.bias } else { 0.0 };
         let (mut means, mut variances) = (Vec::new(), Vec::new());
-        assert_eq!(detail, Detail::Whole);
         let (height, width) = (panel.height, panel.width);
         for pixel in (0..height * width).map(|pixel| pixel as u32) {
             let number = |sample: u32| {
@@ -127,7 +116,7 @@ impl SampledFolder {
         let suite = self.suite();
         let cases: Vec<_> = suite.cases().iter().collect();
         accept_with(
-            renderer,
+            &|plans, sampling, _| renderer.render(plans, sampling),
             &cases,
             &self.store(),
             Request {
@@ -141,7 +130,9 @@ impl SampledFolder {
     }
 
     fn verify(&self, renderer: &ExtraNoise) -> CaseResult {
-        verify_with(renderer, &self.suite().cases()[0], &self.store(), &|| ()).result
+        let render =
+            |plans: &[Plan<'_>], sampling, _: Progress<'_>| renderer.render(plans, sampling);
+        verify_with(&render, &self.suite().cases()[0], &self.store(), &|| ()).result
     }
 
     fn golden(&self) -> Golden {
