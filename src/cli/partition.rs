@@ -59,33 +59,32 @@ impl PartitionArgument {
 /// One of several parts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Partition {
-    by: By,
+    /// By the hashes of names, not by places.
+    is_hash: bool,
     /// Number of the part, from 1.
     part: u64,
     parts: u64,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum By {
-    Slice,
-    Hash,
-}
-
 impl Partition {
-    fn new(by: By, part: u64, parts: u64) -> Result<Partition, String> {
+    fn new(is_hash: bool, part: u64, parts: u64) -> Result<Partition, String> {
         if part == 0 || part > parts {
             return Err(format!(
                 "there is no part {part} of {parts}: parts are 1 to N"
             ));
         }
-        Ok(Partition { by, part, parts })
+        Ok(Partition {
+            is_hash,
+            part,
+            parts,
+        })
     }
 
     /// Membership of the item at this place, from 0, of this name.
     fn has(&self, at: u64, name: &str) -> bool {
-        let number = match self.by {
-            By::Slice => at,
-            By::Hash => name_hash(name),
+        let number = match self.is_hash {
+            true => name_hash(name),
+            false => at,
         };
         number % self.parts == self.part - 1
     }
@@ -93,10 +92,7 @@ impl Partition {
 
 impl fmt::Display for Partition {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let by = match self.by {
-            By::Slice => "slice",
-            By::Hash => "hash",
-        };
+        let by = ["slice", "hash"][usize::from(self.is_hash)];
         write!(f, "{by}:{}/{}", self.part, self.parts)
     }
 }
@@ -110,14 +106,12 @@ impl FromStr for Partition {
         }
         let expected = || "expected slice:M/N, hash:M/N or auto".to_owned();
         let (by, numbers) = text.split_once(':').ok_or_else(expected)?;
-        let by = match by {
-            "slice" => By::Slice,
-            "hash" => By::Hash,
-            _ => return Err(expected()),
-        };
         let (part, parts) = numbers.split_once('/').ok_or_else(expected)?;
         let number = |text: &str| text.parse().map_err(|_| expected());
-        Partition::new(by, number(part)?, number(parts)?)
+        match by {
+            "slice" | "hash" => Partition::new(by == "hash", number(part)?, number(parts)?),
+            _ => Err(expected()),
+        }
     }
 }
 
@@ -178,7 +172,7 @@ fn automatic(variable: impl Fn(&str) -> Option<String>) -> Result<Partition, Str
                 "{of_part}={part} is not a part of {engine}, whose first is {first}"
             ));
         };
-        let partition = Partition::new(By::Slice, place.saturating_add(1), parts)
+        let partition = Partition::new(false, place.saturating_add(1), parts)
             .map_err(|error| format!("{of_part}={part}, {of_parts}={parts}: {error}"))?;
         match &found {
             Some((other, before)) if *before != partition => {
@@ -212,7 +206,7 @@ mod tests {
     }
 
     fn slice(part: u64, parts: u64) -> Result<Partition, String> {
-        Partition::new(By::Slice, part, parts)
+        Partition::new(false, part, parts)
     }
 
     #[test]

@@ -99,14 +99,11 @@ impl ResultFiles {
             ..Page::of(findings.command, &results, &evidence, &findings.found)
         };
         self.report.write(page, &mut text)?;
-        let mut json = match findings.command {
-            "validate" => {
-                let mut json = report::validation_json(&results, &findings.found.likely);
-                json["judged_with"] = json!(findings.judged_with);
-                json
-            }
-            command => report::results_json(command, &results),
-        };
+        let mut json = report::results_json(findings.command, &results);
+        if findings.command == "validate" {
+            json["looks_like"] = json!(findings.found.likely);
+            json["judged_with"] = json!(findings.judged_with);
+        }
         if findings.has_known {
             count_in(&mut json["summary"], &results);
         }

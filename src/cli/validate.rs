@@ -13,6 +13,7 @@ use super::verdicts::{CauseSearch, ExplainArgument, PrintedVerdicts};
 use super::{Outcome, compare, ctest, interrupt, output, progress};
 use crate::compare::Promise;
 use crate::conventions::Profile;
+use crate::cost::timing::Machine;
 use crate::files::regular_file::note_input;
 use crate::film::{Alpha, Bits, FilmFormat};
 use crate::judging::{
@@ -180,7 +181,9 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let mut skipped = passed_over.clone();
     let mut judged = judge.all(&cases, &said, &mut skipped);
     judge.decide(&cases, &mut judged, &said);
-    judge.let_leave();
+    // The search for mistakes needs no renderer.
+    let staying = judge.source.renderer().and_then(OtherRenderer::staying);
+    staying.inspect(|staying| staying.end());
     let (judged_with, (found, text)) =
         CauseSearch::run(&arguments.explain, arguments.accept_conventions, |search| {
             let profile = judge.profile.as_ref();
@@ -394,12 +397,6 @@ impl Judge<'_> {
         });
     }
 
-    /// Ends renderers that stay: the search for mistakes needs none.
-    fn let_leave(&self) {
-        let staying = self.source.renderer().and_then(OtherRenderer::staying);
-        staying.inspect(|staying| staying.end());
-    }
-
     /// The folder and the run of the results that are kept, if any are.
     fn results_to_keep(&self, cases: &[&Case]) -> Result<Option<(ResultFolder, Run)>, Failure> {
         let (given, suite) = (self.arguments, self.suite);
@@ -548,7 +545,7 @@ impl Judge<'_> {
             "profile": self.arguments.profile,
             "bits": self.bits().map(|bits| bits.to_string()),
             "alpha": self.alpha().map(|alpha| alpha.to_string()),
-            "machine": self.source.renderer().map(|_| machine()),
+            "machine": self.source.renderer().map(|_| Machine::here(1).processor),
             "seconds": judged.iter().filter_map(seconds).collect::<BTreeMap<_, _>>(),
         })
     }
@@ -572,15 +569,4 @@ impl Judge<'_> {
         );
         Failure::new(Exit::Undecided, message, Some(&help))
     }
-}
-
-/// This machine in words, beside times.
-fn machine() -> String {
-    let processors = std::thread::available_parallelism().map_or(1, |count| count.get());
-    let processors = output::number_of(processors as u64, "processor");
-    format!(
-        "{} {}, {processors}",
-        std::env::consts::OS,
-        std::env::consts::ARCH
-    )
 }
