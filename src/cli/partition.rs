@@ -16,8 +16,7 @@ pub struct PartitionArgument {
 }
 
 impl PartitionArgument {
-    /// Keeps the items of this part; `noun` is their kind for messages, `name` gives the name of
-    /// one.
+    /// Keeps the items of this part; `name` gives the name of one.
     ///
     /// # Errors
     ///
@@ -25,7 +24,6 @@ impl PartitionArgument {
     pub fn retain<T>(
         &self,
         items: &mut Vec<T>,
-        noun: &str,
         name: impl Fn(&T) -> String,
     ) -> Result<(), Failure> {
         let Some(partition) = &self.partition else {
@@ -38,7 +36,7 @@ impl PartitionArgument {
             is_in
         });
         if before > 0 && items.is_empty() {
-            let message = format!("none of the {before} {noun} is in the part {partition}");
+            let message = format!("none of the {before} cases is in the part {partition}");
             let help = "take fewer parts: slice:M/N has an empty one only if N is above that";
             return Err(Failure::new(Exit::Undecided, message, Some(help)));
         }
@@ -221,7 +219,7 @@ mod tests {
                         partition: Some(partition),
                     };
                     let mut of_part = names.clone();
-                    let found = argument.retain(&mut of_part, "cases", String::clone);
+                    let found = argument.retain(&mut of_part, String::clone);
                     assert_eq!(found.is_err(), of_part.is_empty());
                     if by == "slice" {
                         let even = names.len() / parts..=names.len().div_ceil(parts);
