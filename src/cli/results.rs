@@ -14,7 +14,7 @@ use std::path::PathBuf;
 #[derive(clap::Args, Debug)]
 pub struct ResultFiles {
     #[command(flatten)]
-    json: Json,
+    pub json: Json,
     /// Write the results as JUnit XML, for build servers
     #[arg(long, value_name = "FILE")]
     junit: Option<PathBuf>,
@@ -75,11 +75,6 @@ impl ResultFiles {
         let message =
             "--junit and --report write results of verify or validate, and there are none here";
         Err(Failure::new(Exit::Undecided, message, None))
-    }
-
-    /// Writes `value` as JSON if that was asked for, and returns the text to print.
-    pub fn write_json(&self, text: String, value: &Value) -> Result<String, Failure> {
-        self.json.instead_of(text, value)
     }
 
     /// Writes the requested files, and returns the text to print: `text`, or JSON instead.

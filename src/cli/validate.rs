@@ -351,7 +351,7 @@ impl Arguments {
         if let Some(folder) = &self.ctest {
             let measurements = ctest::measurements(judged, folder)?;
             if said.speaks {
-                output::print_measurements(&measurements);
+                output::write_out(&measurements);
             }
         }
         Ok(())
