@@ -67,7 +67,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let mut cases = suite.select(&filters)?;
     arguments
         .partition
-        .retain(&mut cases, "cases", |case| case.name.clone())?;
+        .retain(&mut cases, |case| case.name.clone())?;
     let bar = progress::counted(cases.len());
     let store = suite.store();
     // Before they are replaced.

@@ -86,8 +86,10 @@ fn gates_help() -> String {
 /// Runs the command.
 pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let start = Instant::now();
-    if let Some(path) = &arguments.heatmap {
-        check_heatmap(path)?;
+    let is_png = |path: &&PathBuf| FilmFormat::of(path) == Some(FilmFormat::Png);
+    if let Some(path) = arguments.heatmap.as_ref().filter(|path| !is_png(path)) {
+        let message = format!("--heatmap writes a .png, not {}", path.display());
+        return Err(bad_input(message));
     }
     arguments.page.check()?;
     output::check(
@@ -216,14 +218,6 @@ impl Arguments {
             (None, test) => test,
         })
     }
-}
-
-fn check_heatmap(path: &Path) -> Result<(), Failure> {
-    if FilmFormat::of(path) != Some(FilmFormat::Png) {
-        let message = format!("--heatmap writes a .png, not {}", path.display());
-        return Err(bad_input(message));
-    }
-    Ok(())
 }
 
 /// The perceived difference of two images of one size as PNG.

@@ -10,9 +10,7 @@ use crate::judging::{
     CaseResult, Cause, Evidence, Judged, KnownFailures, Verdict, before_background, declared,
     validate_at,
 };
-use crate::report::{
-    GalleryAbout, GalleryCase, GalleryRenderer, GalleryRow, gallery_html, gallery_row,
-};
+use crate::report::{GalleryAbout, GalleryRenderer, GalleryRow, gallery_html, gallery_row};
 use crate::suite::{Case, Golden, Outputs, Store, Suite};
 use rayon::prelude::*;
 use serde::Deserialize;
@@ -121,16 +119,12 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
 /// The row of a case, and a line for each result that is no longer what the files of its run say.
 fn row(case: &Case, store: &Store, runs: &[RendererRun]) -> (GalleryRow, String) {
     let golden = Golden::read(store, case).map(|golden| golden.film);
-    let of_case = GalleryCase {
-        name: &case.name,
-        exposure: case.exposure,
-        golden: golden.map_err(|error| error.to_string()),
-    };
+    let golden = golden.map_err(|error| error.to_string());
     let judged: Vec<_> = runs.iter().map(|run| run.judged(case, store)).collect();
     let changes = runs.iter().zip(&judged);
     let changes = changes.filter_map(|(run, judged)| run.change(judged.as_ref()?));
     let changes = changes.collect();
-    (gallery_row(&of_case, judged), changes)
+    (gallery_row(case, golden, judged), changes)
 }
 
 impl RendererRun {

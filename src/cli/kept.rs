@@ -1,4 +1,4 @@
-//! `--results`: results kept for `volref merge`.
+//! Which part of a suite a command judges, and results kept for `volref merge`.
 
 use super::failure::{Exit, Failure, bad_input};
 use super::partition::PartitionArgument;
@@ -9,35 +9,42 @@ use crate::judging::{CaseTrials, Judged};
 use crate::runs::{ResultFolder, Run};
 use crate::suite::{Case, Suite};
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Setting of a run that has a name.
 pub const NAME: &str = "name";
 
-/// Option for the folder of results.
+/// Options for the suite, the part of its cases, and the folder of results.
 #[derive(clap::Args, Debug)]
-pub struct KeepArgument {
+pub struct PartArguments {
+    #[command(flatten)]
+    pub selection: Selection,
+    #[command(flatten)]
+    pub partition: PartitionArgument,
     /// Keep the result of each case in DIR, for volref merge [with --partition: .volref of the suite]
     #[arg(long, value_name = "DIR")]
     results: Option<PathBuf>,
 }
 
-impl KeepArgument {
-    /// The folder of results, made now, before long work; `None` if none are kept.
+impl PartArguments {
+    /// The results of `command` on `cases`, all of its parts, in a folder that is made now, before long work; `None` if none
+    /// are kept.
     ///
     /// # Errors
     ///
-    /// If it cannot be made.
-    pub fn folder(
+    /// If the folder cannot be made.
+    pub fn kept(
         &self,
-        partition: &PartitionArgument,
-        selection: &Selection,
         suite: &Suite,
-    ) -> Result<Option<ResultFolder>, Failure> {
+        command: &str,
+        filters: &[String],
+        cases: &[&Case],
+        mut settings: BTreeMap<String, String>,
+    ) -> Result<Option<KeptResults>, Failure> {
         let mut folder = match &self.results {
             Some(folder) => folder.clone(),
-            None if partition.is_whole() => return Ok(None),
-            None => selection.kept_folder(suite),
+            None if self.partition.is_whole() => return Ok(None),
+            None => self.selection.kept_folder(suite),
         };
         // A link that the user names is meant; one in the place of .volref is not.
         if self.results.is_some() && folder.is_symlink() {
@@ -51,55 +58,45 @@ impl KeepArgument {
         if is_ours {
             results.hide();
         }
-        Ok(Some(results))
+        let program = program_hash().unwrap_or("unknown");
+        settings.extend([
+            ("volref".to_owned(), env!("CARGO_PKG_VERSION").to_owned()),
+            ("build of volref".to_owned(), program.to_owned()),
+        ]);
+        let hashed = |case: &&Case| (case.name.clone(), suite.hash_of(case));
+        let run = Run {
+            command: command.to_owned(),
+            settings,
+            cases: cases.iter().map(hashed).collect(),
+            is_everything: filters.is_empty(),
+        };
+        Ok(Some(KeptResults(results, run)))
     }
 }
 
-/// The run of a command on `cases` of a suite, before a part of them is taken.
-pub fn run_of<'c>(
-    command: &str,
-    suite: &Suite,
-    filters: &[String],
-    cases: impl IntoIterator<Item = &'c Case>,
-    mut settings: BTreeMap<String, String>,
-) -> Run {
-    let cases = cases
-        .into_iter()
-        .map(|case| (case.name.clone(), suite.hash_of(case)));
-    let program = program_hash().unwrap_or("unknown");
-    settings.extend([
-        ("volref".to_owned(), env!("CARGO_PKG_VERSION").to_owned()),
-        ("build of volref".to_owned(), program.to_owned()),
-    ]);
-    Run {
-        command: command.to_owned(),
-        settings,
-        cases: cases.collect(),
-        is_everything: filters.is_empty(),
+/// Results of a run that are kept in a folder.
+pub struct KeptResults(ResultFolder, Run);
+
+impl KeptResults {
+    /// Keeps what was found in the `cases` of a part, and says where.
+    ///
+    /// # Errors
+    ///
+    /// If it cannot be written.
+    pub fn keep(
+        &self,
+        cases: &[String],
+        judged: &[Judged],
+        trials: &[CaseTrials],
+    ) -> Result<(), Failure> {
+        let KeptResults(folder, run) = self;
+        let kept = folder.keep(run, cases.to_vec(), judged, trials.to_vec());
+        let place = kept.map_err(|error| {
+            let message = format!("the results cannot be kept: {error}");
+            let help = "the verdicts hold, but volref merge would miss them; choose another folder with --results DIR";
+            Failure::new(Exit::BadInput, message, Some(help))
+        })?;
+        progress::note(&format!("results kept in {}", place.display()));
+        Ok(())
     }
-}
-
-/// Keeps what was found in the `cases` of a part; returns the folder of its run.
-///
-/// # Errors
-///
-/// If it cannot be written.
-pub fn keep(
-    folder: &ResultFolder,
-    run: &Run,
-    cases: &[String],
-    judged: &[Judged],
-    trials: &[CaseTrials],
-) -> Result<PathBuf, Failure> {
-    let kept = folder.keep(run, cases.to_vec(), judged, trials.to_vec());
-    kept.map_err(|error| {
-        let message = format!("the results cannot be kept: {error}");
-        let help = "the verdicts hold, but volref merge would miss them; choose another folder with --results DIR";
-        Failure::new(Exit::BadInput, message, Some(help))
-    })
-}
-
-/// Says where results are kept.
-pub fn say_kept(place: &Path) {
-    progress::note(&format!("results kept in {}", place.display()));
 }

@@ -24,20 +24,6 @@ pub struct Arguments {
     json: Json,
 }
 
-/// Links in a line of text, beside which further ones are only counted.
-const MOST_LINKS: usize = 2;
-
-/// A source as one line of text: of many links, the first ones.
-fn short(source: &str) -> String {
-    let links: Vec<&str> = source.split(", ").collect();
-    let are_links = links.iter().all(|link| link.starts_with("github.com/"));
-    if !are_links || links.len() <= MOST_LINKS {
-        return source.to_owned();
-    }
-    let first = links[..MOST_LINKS].join(", ");
-    format!("{first} and {} more", links.len() - MOST_LINKS)
-}
-
 /// Runs the command.
 pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     if arguments.mistakes {
@@ -99,7 +85,7 @@ fn listing(cases: &[&Case]) -> String {
     let widest = widest(cases.iter().map(|case| &case.name));
     let mut text = String::new();
     for case in cases {
-        let (name, source) = (&case.name, short(&case.source));
+        let (name, source) = (&case.name, &case.source);
         text.push_str(&format!("{name:<widest$}  {}\n", case.class()));
         text.push_str(&wrapped(&format!("{} [{source}]", case.shows), 4));
     }

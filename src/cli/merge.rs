@@ -116,11 +116,6 @@ fn no_results(message: &str) -> Failure {
     Failure::new(Exit::Undecided, message, Some(help))
 }
 
-fn damaged_run(reason: String) -> Failure {
-    let help = "the other results in its folder cannot be trusted: remove the folder, and run its parts again";
-    Failure::new(Exit::Undecided, reason, Some(help))
-}
-
 /// The runs whose results are to be joined: one, or several that have names.
 fn runs_of<'f>(
     arguments: &Arguments,
@@ -128,7 +123,11 @@ fn runs_of<'f>(
 ) -> Result<Vec<Parts<'f>>, Failure> {
     let mut runs: BTreeMap<String, (Run, PathBuf)> = BTreeMap::new();
     for folder in folders {
-        for (id, run) in folder.runs().map_err(damaged_run)? {
+        let found = folder.runs().map_err(|reason| {
+            let help = "the other results in its folder cannot be trusted: remove the folder, and run its parts again";
+            Failure::new(Exit::Undecided, reason, Some(help))
+        })?;
+        for (id, run) in found {
             runs.entry(id).or_insert((run, folder.path()));
         }
     }
@@ -381,7 +380,7 @@ fn joined_self_test(
     let text = report::self_test_text(&test) + &missing_text(&missing, run.cases.len());
     let undecided = (!missing.is_empty()).then_some(Exit::Undecided);
     Ok(Outcome {
-        text: arguments.files.write_json(text, &value)?,
+        text: arguments.files.json.instead_of(text, &value)?,
         exit: Exit::first_of([selftest::exit_of(&test)].into_iter().chain(undecided)),
     })
 }

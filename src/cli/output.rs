@@ -64,12 +64,8 @@ const VERDICTS: [(Verdict, AnsiColor); 6] = [
     (Verdict::Error, AnsiColor::Magenta),
 ];
 
-/// Writes elements that CTest collects to stdout; all other text loses its `<`.
-pub fn print_measurements(elements: &str) {
-    write_out(elements);
-}
-
-fn write_out(text: &str) {
+/// Writes `text` to stdout as it is.
+pub fn write_out(text: &str) {
     let mut stdout = io::stdout().lock();
     note_error(stdout.write_all(text.as_bytes()));
 }

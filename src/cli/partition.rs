@@ -16,8 +16,7 @@ pub struct PartitionArgument {
 }
 
 impl PartitionArgument {
-    /// Keeps the items of this part; `noun` is their kind for messages, `name` gives the name of
-    /// one.
+    /// Keeps the items of this part; `name` gives the name of one.
     ///
     /// # Errors
     ///
@@ -25,7 +24,6 @@ impl PartitionArgument {
     pub fn retain<T>(
         &self,
         items: &mut Vec<T>,
-        noun: &str,
         name: impl Fn(&T) -> String,
     ) -> Result<(), Failure> {
         let Some(partition) = &self.partition else {
@@ -38,7 +36,7 @@ impl PartitionArgument {
             is_in
         });
         if before > 0 && items.is_empty() {
-            let message = format!("none of the {before} {noun} is in the part {partition}");
+            let message = format!("none of the {before} cases is in the part {partition}");
             let help = "take fewer parts: slice:M/N has an empty one only if N is above that";
             return Err(Failure::new(Exit::Undecided, message, Some(help)));
         }
@@ -59,33 +57,32 @@ impl PartitionArgument {
 /// One of several parts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Partition {
-    by: By,
+    /// By the hashes of names, not by places.
+    is_hash: bool,
     /// Number of the part, from 1.
     part: u64,
     parts: u64,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum By {
-    Slice,
-    Hash,
-}
-
 impl Partition {
-    fn new(by: By, part: u64, parts: u64) -> Result<Partition, String> {
+    fn new(is_hash: bool, part: u64, parts: u64) -> Result<Partition, String> {
         if part == 0 || part > parts {
             return Err(format!(
                 "there is no part {part} of {parts}: parts are 1 to N"
             ));
         }
-        Ok(Partition { by, part, parts })
+        Ok(Partition {
+            is_hash,
+            part,
+            parts,
+        })
     }
 
     /// Membership of the item at this place, from 0, of this name.
     fn has(&self, at: u64, name: &str) -> bool {
-        let number = match self.by {
-            By::Slice => at,
-            By::Hash => name_hash(name),
+        let number = match self.is_hash {
+            true => name_hash(name),
+            false => at,
         };
         number % self.parts == self.part - 1
     }
@@ -93,10 +90,7 @@ impl Partition {
 
 impl fmt::Display for Partition {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let by = match self.by {
-            By::Slice => "slice",
-            By::Hash => "hash",
-        };
+        let by = ["slice", "hash"][usize::from(self.is_hash)];
         write!(f, "{by}:{}/{}", self.part, self.parts)
     }
 }
@@ -110,14 +104,12 @@ impl FromStr for Partition {
         }
         let expected = || "expected slice:M/N, hash:M/N or auto".to_owned();
         let (by, numbers) = text.split_once(':').ok_or_else(expected)?;
-        let by = match by {
-            "slice" => By::Slice,
-            "hash" => By::Hash,
-            _ => return Err(expected()),
-        };
         let (part, parts) = numbers.split_once('/').ok_or_else(expected)?;
         let number = |text: &str| text.parse().map_err(|_| expected());
-        Partition::new(by, number(part)?, number(parts)?)
+        match by {
+            "slice" | "hash" => Partition::new(by == "hash", number(part)?, number(parts)?),
+            _ => Err(expected()),
+        }
     }
 }
 
@@ -178,7 +170,7 @@ fn automatic(variable: impl Fn(&str) -> Option<String>) -> Result<Partition, Str
                 "{of_part}={part} is not a part of {engine}, whose first is {first}"
             ));
         };
-        let partition = Partition::new(By::Slice, place.saturating_add(1), parts)
+        let partition = Partition::new(false, place.saturating_add(1), parts)
             .map_err(|error| format!("{of_part}={part}, {of_parts}={parts}: {error}"))?;
         match &found {
             Some((other, before)) if *before != partition => {
@@ -212,7 +204,7 @@ mod tests {
     }
 
     fn slice(part: u64, parts: u64) -> Result<Partition, String> {
-        Partition::new(By::Slice, part, parts)
+        Partition::new(false, part, parts)
     }
 
     #[test]
@@ -227,7 +219,7 @@ mod tests {
                         partition: Some(partition),
                     };
                     let mut of_part = names.clone();
-                    let found = argument.retain(&mut of_part, "cases", String::clone);
+                    let found = argument.retain(&mut of_part, String::clone);
                     assert_eq!(found.is_err(), of_part.is_empty());
                     if by == "slice" {
                         let even = names.len() / parts..=names.len().div_ceil(parts);

@@ -2,6 +2,7 @@
 
 use super::failure::{Exit, Failure, bad_input};
 use super::output;
+use crate::files::atomic_file::directory_of;
 use crate::optics::Colormap;
 use crate::scene::{Recipe, Scene};
 use clap::builder::PossibleValuesParser;
@@ -78,7 +79,7 @@ impl Picture {
         };
         let beside = PathBuf::from(format!("{} (as a scene)", path.display()));
         let scene = self.save_scene.as_deref().unwrap_or(&beside);
-        let file = seen_from(scene.parent().unwrap_or(Path::new("")), path);
+        let file = seen_from(directory_of(scene), path);
         let file = file.to_str().ok_or_else(|| {
             bad_input(format!("{}: a scene names files in UTF-8", path.display()))
         })?;
@@ -97,18 +98,9 @@ impl Picture {
 
 /// The file at `path` as seen from `folder`: below it, or through as few `..` as need be.
 fn seen_from(folder: &Path, path: &Path) -> PathBuf {
-    let here = |path: &Path| {
-        std::fs::canonicalize(if path == Path::new("") {
-            Path::new(".")
-        } else {
-            path
-        })
-    };
-    let (Ok(folder), Ok(parent), Some(name)) = (
-        here(folder),
-        here(path.parent().unwrap_or(Path::new(""))),
-        path.file_name(),
-    ) else {
+    let parent = directory_of(path).canonicalize();
+    let (Ok(folder), Ok(parent), Some(name)) = (folder.canonicalize(), parent, path.file_name())
+    else {
         return path.to_owned();
     };
     let (from, to): (Vec<_>, Vec<_>) =

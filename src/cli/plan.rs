@@ -2,7 +2,6 @@
 
 use super::failure::{Failure, bad_input};
 use super::output::{self, Json};
-use super::render::warnings_of_all;
 use super::suite::scene_file;
 use super::{Outcome, progress};
 use crate::render::counters::Event;
@@ -64,7 +63,7 @@ pub fn run(mut arguments: Arguments) -> Result<Outcome, Failure> {
         .map_err(bad_input)?;
     let mut work = Vec::new();
     if arguments.counters {
-        let bar = progress::image("counting", &warnings_of_all(&plans));
+        let bar = progress::image("counting");
         let rendering = render::render(&plans, Sampling::default(), &bar);
         bar.finish_and_clear();
         work = rendering.map_err(bad_input)?.work;

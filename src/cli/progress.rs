@@ -6,7 +6,6 @@ use crate::files::visible::visible;
 use crate::judging::Step;
 use crate::naming::SearchStep;
 use crate::render::Watch;
-use crate::render::plan::Reason;
 use indicatif::{HumanDuration, ProgressBar, ProgressStyle};
 use std::io::{IsTerminal, Write};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -37,21 +36,21 @@ pub struct Bar {
     printing: Option<JoinHandle<()>>,
 }
 
-/// Progress of one image; `label` names the work. Notes are printed once the work takes long.
-pub fn image(label: &str, notes: &[&Reason]) -> Bar {
-    Bar::begin(label, notes.iter().map(ToString::to_string).collect())
+/// Progress of one image; `label` names the work.
+pub fn image(label: &str) -> Bar {
+    Bar::begin(label)
 }
 
 /// Progress of that many parts, such as cases.
 pub fn counted(parts: usize) -> Bar {
-    let bar = Bar::begin("", Vec::new());
+    let bar = Bar::begin("");
     bar.set_length(parts as u64 * PART);
     bar
 }
 
 /// Runs `work` without known parts, such as reading files.
 pub fn during<T>(label: &str, work: impl FnOnce() -> T) -> T {
-    let bar = Bar::begin(label, Vec::new());
+    let bar = Bar::begin(label);
     let result = work();
     bar.finish_and_clear();
     result
@@ -74,7 +73,7 @@ pub fn causes(announced: Option<(usize, f64)>) -> Bar {
              --explain SECONDS; 0 skips the search)"
         ));
     }
-    Bar::begin("looking for the mistake", Vec::new())
+    Bar::begin("looking for the mistake")
 }
 
 /// Shows a step of the search for mistakes.
@@ -92,7 +91,7 @@ pub fn mistake(bar: &Bar, step: &SearchStep) {
 }
 
 impl Bar {
-    fn begin(message: &str, notes: Vec<String>) -> Bar {
+    fn begin(message: &str) -> Bar {
         let is_terminal = std::io::stderr().is_terminal();
         let bar = match is_terminal {
             true => ProgressBar::no_length(),
@@ -105,7 +104,7 @@ impl Bar {
         }
         let (end, ended) = mpsc::channel();
         let printed = bar.clone();
-        let printing = std::thread::spawn(move || print_lines(&printed, notes, &ended));
+        let printing = std::thread::spawn(move || print_lines(&printed, &ended));
         Bar {
             bar,
             steps: AtomicU64::new(0),
@@ -180,15 +179,12 @@ impl Watch for Bar {
     }
 }
 
-/// Prints the notes if the work takes long; in a pipe, lines with the progress besides.
-fn print_lines(bar: &ProgressBar, notes: Vec<String>, ended: &Receiver<()>) {
-    let (mut next, mut notes) = (FIRST_LINE, notes.into_iter());
+/// Prints lines with the progress, in a pipe, while the work lasts.
+fn print_lines(bar: &ProgressBar, ended: &Receiver<()>) {
+    let mut next = FIRST_LINE;
     while let Err(RecvTimeoutError::Timeout) =
         ended.recv_timeout(next.saturating_sub(bar.elapsed()))
     {
-        notes
-            .by_ref()
-            .for_each(|text| bar.suspend(|| note(&format!("note: {text}"))));
         let elapsed = bar.elapsed();
         if bar.is_hidden() {
             let length = bar.length().unwrap_or(0);

@@ -135,7 +135,17 @@ pub fn run(mut arguments: Arguments) -> Result<Outcome, Failure> {
         ));
     }
     let warnings = warnings_of_all(&plans);
-    text.push_str(&arguments.notes(&film, (format, exposure), &plans, &warnings, is_sampled));
+    let mut notes = range_notes(&plans);
+    notes.extend(brightness_note(&film, (format, exposure), &plans));
+    notes.extend(warnings.iter().map(ToString::to_string));
+    if !is_sampled && (arguments.spp.is_some() || arguments.seed.is_some()) {
+        let words =
+            "this scene is rendered without random numbers; --spp and --seed have no effect";
+        notes.push(words.to_owned());
+    }
+    for note in notes {
+        text.push_str(&format!("note: {note}\n"));
+    }
     let mut value = json!({
         "schema": "volref/render/1",
         "scene": arguments.scene,
@@ -209,7 +219,7 @@ impl Arguments {
 
     /// The image of `scene`, by the plain renderers if they are asked for and there are such.
     fn rendered(&self, scene: &Scene, plans: &[Plan], sampling: Sampling) -> Result<Film, String> {
-        let bar = progress::image("rendering", &warnings_of_all(plans));
+        let bar = progress::image("rendering");
         let film = if self.reference && plans.iter().all(has_plain_renderer) {
             let centres: Vec<bool> = plans.iter().map(|plan| !plan.is_sampled()).collect();
             reference::render(scene, sampling, &centres).map_err(|error| error.to_string())
@@ -220,29 +230,6 @@ impl Arguments {
         };
         bar.finish_and_clear();
         film
-    }
-
-    /// Notes on the image of these `plans`, with their `warnings`, a line each.
-    fn notes(
-        &self,
-        film: &Film,
-        shown: (FilmFormat, f64),
-        plans: &[Plan],
-        warnings: &[&Reason],
-        is_sampled: bool,
-    ) -> String {
-        let mut notes = brightness_note(film, shown, plans).unwrap_or_default();
-        notes.push_str(&range_notes(plans));
-        for warning in warnings {
-            notes.push_str(&format!("note: {warning}\n"));
-        }
-        if !is_sampled && (self.spp.is_some() || self.seed.is_some()) {
-            notes.push_str(
-                "note: this scene is rendered without random numbers; --spp and --seed have no \
-                effect\n",
-            );
-        }
-        notes
     }
 }
 
@@ -270,7 +257,7 @@ fn change(text: &str) -> Result<(String, f64), String> {
 }
 
 /// The warnings of the plans of all panels.
-pub fn warnings_of_all<'p>(plans: &'p [Plan<'_>]) -> Vec<&'p Reason> {
+fn warnings_of_all<'p>(plans: &'p [Plan<'_>]) -> Vec<&'p Reason> {
     let warnings = plans[0].warnings.iter();
     warnings
         .filter(|warning| plans.iter().all(|plan| plan.warnings.contains(warning)))
@@ -290,7 +277,7 @@ fn brightness_note(
         .filter(|&brightest| brightest > 0.0)
         .collect();
     if lit.is_empty() {
-        return Some(format!("note: the image is black: {}\n", why_black(plans)));
+        return Some(format!("the image is black: {}", why_black(plans)));
     }
     // The brightest hundredth of what is lit: a single hot pixel says nothing.
     lit.sort_by(f32::total_cmp);
@@ -298,26 +285,26 @@ fn brightness_note(
     let stops = (-math::log2(bright)).round();
     if format == FilmFormat::Png && stops - exposure >= 2.0 {
         return Some(format!(
-            "note: the image is dark; --exposure {stops} shows it better\n"
+            "the image is dark; --exposure {stops} shows it better"
         ));
     }
     None
 }
 
 /// Notes on the ranges of values that no scene states.
-fn range_notes(plans: &[Plan<'_>]) -> String {
+fn range_notes(plans: &[Plan<'_>]) -> Vec<String> {
     let readings = plans.iter().flat_map(|plan| &plan.panel.readings);
     let mut notes: Vec<String> = readings
         .filter_map(|reading| match reading.origin {
             Origin::Derived(rule) if reading.key.ends_with("transfer_function.range") => Some(format!(
-                "note: values are shown from {} by default ({rule}); state `range` in [transfer_function] to change that\n",
+                "values are shown from {} by default ({rule}); state `range` in [transfer_function] to change that",
                 reading.value.trim_matches(['[', ']']).replace(", ", " to ")
             )),
             _ => None,
         })
         .collect();
     notes.dedup();
-    notes.concat()
+    notes
 }
 
 /// True of a volume file. A description of bare samples ends in .toml, as scenes do.

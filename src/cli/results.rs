@@ -14,7 +14,7 @@ use std::path::PathBuf;
 #[derive(clap::Args, Debug)]
 pub struct ResultFiles {
     #[command(flatten)]
-    json: Json,
+    pub json: Json,
     /// Write the results as JUnit XML, for build servers
     #[arg(long, value_name = "FILE")]
     junit: Option<PathBuf>,
@@ -77,11 +77,6 @@ impl ResultFiles {
         Err(Failure::new(Exit::Undecided, message, None))
     }
 
-    /// Writes `value` as JSON if that was asked for, and returns the text to print.
-    pub fn write_json(&self, text: String, value: &Value) -> Result<String, Failure> {
-        self.json.instead_of(text, value)
-    }
-
     /// Writes the requested files, and returns the text to print: `text`, or JSON instead.
     pub fn write(&self, findings: Findings<'_>, mut text: String) -> Result<String, Failure> {
         let judged = findings.judged.into_iter();
@@ -99,14 +94,11 @@ impl ResultFiles {
             ..Page::of(findings.command, &results, &evidence, &findings.found)
         };
         self.report.write(page, &mut text)?;
-        let mut json = match findings.command {
-            "validate" => {
-                let mut json = report::validation_json(&results, &findings.found.likely);
-                json["judged_with"] = json!(findings.judged_with);
-                json
-            }
-            command => report::results_json(command, &results),
-        };
+        let mut json = report::results_json(findings.command, &results);
+        if findings.command == "validate" {
+            json["looks_like"] = json!(findings.found.likely);
+            json["judged_with"] = json!(findings.judged_with);
+        }
         if findings.has_known {
             count_in(&mut json["summary"], &results);
         }

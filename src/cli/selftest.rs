@@ -1,13 +1,12 @@
 //! `volref selftest [FILTER…]`
 
 use super::failure::{Exit, Failure};
-use super::kept::{KeepArgument, keep, run_of, say_kept};
+use super::kept::PartArguments;
 use super::output::{self, Json};
-use super::partition::PartitionArgument;
-use super::suite::Selection;
 use super::{Outcome, progress};
 use crate::judging::{SelfTest, SelfTestCases, SelfTestExtent, case_trials, self_test_steps};
 use crate::report;
+use crate::suite::Case;
 
 /// The name of the command.
 pub const SELF_TEST: &str = "selftest";
@@ -20,11 +19,7 @@ pub struct Arguments {
     #[arg(value_name = "FILTER")]
     filters: Vec<String>,
     #[command(flatten)]
-    selection: Selection,
-    #[command(flatten)]
-    partition: PartitionArgument,
-    #[command(flatten)]
-    kept: KeepArgument,
+    part: PartArguments,
     /// Try each mistake only until a case catches it
     #[arg(long)]
     quick: bool,
@@ -34,35 +29,31 @@ pub struct Arguments {
 
 /// Runs the command.
 pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
-    let suite = arguments.selection.open()?;
+    let (part, filters) = (&arguments.part, &arguments.filters);
+    let suite = part.selection.open()?;
     output::check(&[arguments.json.file()], &[])?;
-    let mut cases = suite.select(&arguments.filters)?;
-    let all = cases.clone();
-    arguments
-        .partition
-        .retain(&mut cases, "cases", |case| case.name.clone())?;
+    let mut cases = suite.select(filters)?;
+    let settings = [("quick".to_owned(), arguments.quick.to_string())].into();
+    let to_keep = part.kept(&suite, SELF_TEST, filters, &cases, settings)?;
+    let name = |case: &&Case| case.name.clone();
+    part.partition.retain(&mut cases, name)?;
     let store = suite.store();
     let extent = if arguments.quick {
         SelfTestExtent::Quick
     } else {
         SelfTestExtent::Full
     };
-    let kept = &arguments.kept;
-    let folder = kept.folder(&arguments.partition, &arguments.selection, &suite)?;
     let bar = progress::counted(self_test_steps(cases.len()));
-    let which = match (arguments.partition.is_whole(), arguments.filters.is_empty()) {
+    let which = match (part.partition.is_whole(), filters.is_empty()) {
         (false, _) => SelfTestCases::Part,
         (true, true) => SelfTestCases::Whole,
         (true, false) => SelfTestCases::Selected,
     };
     let found = case_trials(&cases, &store, extent, &|step| bar.show(step));
     bar.finish_and_clear();
-    if let Some(folder) = folder {
-        let (all, filters) = (all.into_iter(), &arguments.filters);
-        let settings = [("quick".to_owned(), arguments.quick.to_string())].into();
-        let run = run_of(SELF_TEST, &suite, filters, all, settings);
-        let part: Vec<String> = cases.iter().map(|case| case.name.clone()).collect();
-        say_kept(&keep(&folder, &run, &part, &[], &found)?);
+    if let Some(kept) = to_keep {
+        let names: Vec<String> = cases.iter().map(name).collect();
+        kept.keep(&names, &[], &found)?;
     }
     let test = SelfTest::of(&cases, &found, which);
     let value = report::self_test_json(&test);

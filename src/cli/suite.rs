@@ -121,6 +121,8 @@ pub fn named_scene(given: &Path) -> Result<NamedScene, Failure> {
     let Some(name) = given.to_str().filter(|_| !is_file) else {
         return as_given;
     };
+    let parent = given.parent().filter(|parent| *parent != Path::new(""));
+    let is_in_a_place = parent.is_some_and(Path::exists);
     let suite = here_or_embedded()?;
     let is_it = |case: &&Case| case.name == name || case.name.ends_with(&format!("/{name}"));
     let cases: Vec<&Case> = suite.cases().iter().filter(is_it).collect();
@@ -131,7 +133,7 @@ pub fn named_scene(given: &Path) -> Result<NamedScene, Failure> {
             exposure: Some(case.exposure),
         }),
         // No file either: the error names the nearest case.
-        [] if given.extension().is_none() && !is_in_a_place(given) => {
+        [] if given.extension().is_none() && !is_in_a_place => {
             match suite.select(&[name.to_owned()]) {
                 Err(SuiteError::NoMatch { filter, help }) => {
                     let message = format!("no case matches {filter:?}, and there is no such file");
@@ -142,12 +144,6 @@ pub fn named_scene(given: &Path) -> Result<NamedScene, Failure> {
         }
         _ => as_given,
     }
-}
-
-/// True if the folder of the path exists.
-fn is_in_a_place(path: &Path) -> bool {
-    let parent = path.parent().filter(|parent| *parent != Path::new(""));
-    parent.is_some_and(Path::exists)
 }
 
 /// Help for a filter that looks like the name of an output.

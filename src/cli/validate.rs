@@ -3,16 +3,15 @@
 use super::command_line::command_line;
 use super::failure::{EXIT_CODES, Exit, Failure, bad_input, exit};
 use super::help::EXAMPLE_FIRST;
-use super::kept::{KeepArgument, NAME, keep, run_of, say_kept};
+use super::kept::{KeptResults, NAME, PartArguments};
 use super::known::{KnownArgument, KnownFile};
-use super::partition::PartitionArgument;
 use super::renderer::{Command, RendererArguments};
 use super::results::{Findings, ResultFiles};
-use super::suite::Selection;
 use super::verdicts::{CauseSearch, ExplainArgument, PrintedVerdicts};
 use super::{Outcome, compare, ctest, interrupt, output, progress};
 use crate::compare::Promise;
 use crate::conventions::Profile;
+use crate::cost::timing::Machine;
 use crate::files::regular_file::note_input;
 use crate::film::{Alpha, Bits, FilmFormat};
 use crate::judging::{
@@ -21,7 +20,6 @@ use crate::judging::{
 };
 use crate::renderers::{ImageSource, OtherRenderer, Rendered, in_order, stop_all};
 use crate::report;
-use crate::runs::{ResultFolder, Run};
 use crate::suite::{Case, Output, Outputs, Store, Suite, image_path};
 use clap::ArgAction;
 use serde_json::{Value, json};
@@ -136,11 +134,7 @@ pub struct Arguments {
     #[command(flatten, next_help_heading = REPORTED)]
     files: ResultFiles,
     #[command(flatten, next_help_heading = WHICH)]
-    selection: Selection,
-    #[command(flatten, next_help_heading = WHICH)]
-    partition: PartitionArgument,
-    #[command(flatten, next_help_heading = WHICH)]
-    kept: KeepArgument,
+    part: PartArguments,
     /// Name of the run whose results are kept: volref merge puts runs that have one beside each other
     #[arg(long, value_name = "TEXT", requires = "results", help_heading = WHICH)]
     named: Option<String>,
@@ -152,7 +146,7 @@ pub struct Arguments {
 
 /// Runs the command.
 pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
-    let suite = arguments.selection.open()?;
+    let suite = arguments.part.selection.open()?;
     let selected = suite.select(&arguments.filters)?.into_iter().cloned();
     let selected: Vec<Case> = selected
         .map(|case| with_promise(case, &arguments))
@@ -175,12 +169,14 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let to_keep = judge.results_to_keep(&cases)?;
     let passed_over = judge.pass_over(&mut cases);
     let name = |case: &&Case| case.name.clone();
-    arguments.partition.retain(&mut cases, "cases", name)?;
+    arguments.part.partition.retain(&mut cases, name)?;
     let said = judge.printed(&cases);
     let mut skipped = passed_over.clone();
     let mut judged = judge.all(&cases, &said, &mut skipped);
     judge.decide(&cases, &mut judged, &said);
-    judge.let_leave();
+    // The search for mistakes needs no renderer.
+    let staying = judge.source.renderer().and_then(OtherRenderer::staying);
+    staying.inspect(|staying| staying.end());
     let (judged_with, (found, text)) =
         CauseSearch::run(&arguments.explain, arguments.accept_conventions, |search| {
             let profile = judge.profile.as_ref();
@@ -191,8 +187,8 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
             let passed_over = passed_over.into_iter().map(|(name, _)| name);
             let part: Vec<String> = cases.iter().map(name).chain(passed_over).collect();
             // Before the search, which somebody may end.
-            if let Some((folder, run)) = &to_keep {
-                say_kept(&keep(folder, run, &part, &judged, &[])?);
+            if let Some(kept) = &to_keep {
+                kept.keep(&part, &judged, &[])?;
             }
             if judged.is_empty() {
                 return Err(judge.nothing_compared());
@@ -208,8 +204,8 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
             if let Some(known) = &judge.known {
                 text.push_str(&known.finish(&mut judged)?);
             }
-            if let Some((folder, run)) = &to_keep {
-                keep(folder, run, &part, &judged, &[])?;
+            if let Some(kept) = &to_keep {
+                kept.keep(&part, &judged, &[])?;
             }
             Ok((judged_with, (found, text)))
         })?;
@@ -347,7 +343,7 @@ impl Arguments {
         for (name, value) in self.declared() {
             words.extend([format!("--{name}"), value]);
         }
-        self.selection.again("validate", &case.name, &words)
+        self.part.selection.again("validate", &case.name, &words)
     }
 
     /// Writes the pictures for CTest and prints its lines, if that was asked for.
@@ -355,7 +351,7 @@ impl Arguments {
         if let Some(folder) = &self.ctest {
             let measurements = ctest::measurements(judged, folder)?;
             if said.speaks {
-                output::print_measurements(&measurements);
+                output::write_out(&measurements);
             }
         }
         Ok(())
@@ -394,26 +390,15 @@ impl Judge<'_> {
         });
     }
 
-    /// Ends renderers that stay: the search for mistakes needs none.
-    fn let_leave(&self) {
-        let staying = self.source.renderer().and_then(OtherRenderer::staying);
-        staying.inspect(|staying| staying.end());
-    }
-
-    /// The folder and the run of the results that are kept, if any are.
-    fn results_to_keep(&self, cases: &[&Case]) -> Result<Option<(ResultFolder, Run)>, Failure> {
-        let (given, suite) = (self.arguments, self.suite);
-        let folder = given
-            .kept
-            .folder(&given.partition, &given.selection, suite)?;
-        Ok(folder.map(|folder| {
-            let mut settings = given.settings(self.profile.as_ref());
-            let name = given.named.iter().cloned();
-            settings.extend(name.map(|name| (NAME.to_owned(), name)));
-            let cases = cases.iter().copied();
-            let run = run_of("validate", suite, &given.filters, cases, settings);
-            (folder, run)
-        }))
+    /// The results that are kept, if any are.
+    fn results_to_keep(&self, cases: &[&Case]) -> Result<Option<KeptResults>, Failure> {
+        let given = self.arguments;
+        let mut settings = given.settings(self.profile.as_ref());
+        let name = given.named.iter().cloned();
+        settings.extend(name.map(|name| (NAME.to_owned(), name)));
+        given
+            .part
+            .kept(self.suite, "validate", &given.filters, cases, settings)
     }
 
     /// Takes the cases without an image out of `cases`, if they are to be skipped; returns them.
@@ -548,7 +533,7 @@ impl Judge<'_> {
             "profile": self.arguments.profile,
             "bits": self.bits().map(|bits| bits.to_string()),
             "alpha": self.alpha().map(|alpha| alpha.to_string()),
-            "machine": self.source.renderer().map(|_| machine()),
+            "machine": self.source.renderer().map(|_| Machine::here(1).processor),
             "seconds": judged.iter().filter_map(seconds).collect::<BTreeMap<_, _>>(),
         })
     }
@@ -572,15 +557,4 @@ impl Judge<'_> {
         );
         Failure::new(Exit::Undecided, message, Some(&help))
     }
-}
-
-/// This machine in words, beside times.
-fn machine() -> String {
-    let processors = std::thread::available_parallelism().map_or(1, |count| count.get());
-    let processors = output::number_of(processors as u64, "processor");
-    format!(
-        "{} {}, {processors}",
-        std::env::consts::OS,
-        std::env::consts::ARCH
-    )
 }

@@ -40,14 +40,6 @@ impl PrintedVerdicts {
         }
     }
 
-    /// Prints the verdict that replaces one that is printed; below a heading if it is the first.
-    fn changed_verdict(&self, result: &CaseResult, is_first: bool) {
-        if is_first {
-            self.print("\nafter the search for conventions:\n");
-        }
-        self.verdict(result);
-    }
-
     /// Number of cases not listed.
     pub fn without_image(&self, results: &[CaseResult]) -> String {
         let folded = results.iter().filter(|result| self.folds(result));
@@ -134,7 +126,7 @@ impl CauseSearch {
         let bar = self.bar(failed);
         let report = |step: &SearchStep| progress::mistake(&bar, step);
         let search = ConventionSearch::watched(&interrupt::is_cut_short, &report);
-        let mut is_first = true;
+        let mut heading = "\nafter the search for conventions:\n";
         for judged in judged.iter_mut().filter(|judged| judged.differs()) {
             let case = cases.iter().find(|case| case.name == judged.result.name);
             let Some(case) = case.filter(|_| !interrupt::is_cut_short()) else {
@@ -142,8 +134,10 @@ impl CauseSearch {
             };
             search.explain_mismatch(case, &store, judged, self.seconds, accepted);
             if judged.result.verdict == Verdict::Convention {
-                bar.suspend(|| said.changed_verdict(&judged.result, is_first));
-                is_first = false;
+                bar.suspend(|| {
+                    said.print(std::mem::take(&mut heading));
+                    said.verdict(&judged.result);
+                });
             }
         }
     }

@@ -1,10 +1,8 @@
 //! `volref verify [FILTER…]`
 
 use super::failure::{EXIT_CODES, Failure, exit};
-use super::kept::{KeepArgument, keep, run_of, say_kept};
-use super::partition::PartitionArgument;
+use super::kept::PartArguments;
 use super::results::{Findings, ResultFiles};
-use super::suite::Selection;
 use super::threads::Threads;
 use super::{Outcome, output, progress};
 use crate::judging;
@@ -23,11 +21,7 @@ pub struct Arguments {
     #[arg(value_name = "FILTER")]
     filters: Vec<String>,
     #[command(flatten)]
-    selection: Selection,
-    #[command(flatten)]
-    partition: PartitionArgument,
-    #[command(flatten)]
-    kept: KeepArgument,
+    part: PartArguments,
     /// List every case, including those that passed
     #[arg(long)]
     verbose: bool,
@@ -39,18 +33,13 @@ pub struct Arguments {
 
 /// Runs the command.
 pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
-    let suite = arguments.selection.open()?;
+    let (part, filters) = (&arguments.part, &arguments.filters);
+    let suite = part.selection.open()?;
     arguments.files.check()?;
-    let mut cases = suite.select(&arguments.filters)?;
-    let kept = &arguments.kept;
-    let folder = kept.folder(&arguments.partition, &arguments.selection, &suite)?;
-    let to_keep = folder.map(|folder| {
-        let all = cases.iter().copied();
-        let run = run_of("verify", &suite, &arguments.filters, all, BTreeMap::new());
-        (folder, run)
-    });
+    let mut cases = suite.select(filters)?;
+    let to_keep = part.kept(&suite, "verify", filters, &cases, BTreeMap::new())?;
     let name = |case: &&Case| case.name.clone();
-    arguments.partition.retain(&mut cases, "cases", name)?;
+    part.partition.retain(&mut cases, name)?;
     let store = suite.store();
     let shows = to_keep.is_some() || arguments.files.wants_evidence();
     let mut judged = arguments.threads.run(|| {
@@ -72,16 +61,12 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     })?;
 
     for judged in &mut judged {
-        let again = arguments
-            .selection
-            .again("verify", &judged.result.name, &[]);
+        let again = part.selection.again("verify", &judged.result.name, &[]);
         judged.evidence.reproduce = vec![again];
     }
-    let kept = to_keep.map_or(Ok(()), |(folder, run)| {
-        let part: Vec<String> = cases.iter().map(|case| case.name.clone()).collect();
-        keep(&folder, &run, &part, &judged, &[]).map(|place| say_kept(&place))
-    });
-    if arguments.filters.is_empty() && arguments.partition.is_first() {
+    let names: Vec<String> = cases.iter().map(name).collect();
+    let kept = to_keep.map_or(Ok(()), |kept| kept.keep(&names, &judged, &[]));
+    if filters.is_empty() && part.partition.is_first() {
         judged.extend(judging::without_case(&suite)?);
     }
     let findings = Findings {

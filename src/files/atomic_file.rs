@@ -55,31 +55,19 @@ pub(crate) fn write_in_place_of(path: &Path, bytes: &[u8]) -> Result<(), WriteEr
 fn replace(path: &Path, target: &Path, bytes: &[u8]) -> Result<(), WriteError> {
     golden_mark::check(target).map_err(failed("write", path, KEPT))?;
     let directory = directory_of(target);
-    let mut aside = partial_file::create(directory).map_err(failed(
-        "create a temporary file in",
-        directory,
-        KEPT,
-    ))?;
+    let failed = |action| failed(action, path, KEPT);
+    let mut aside =
+        partial_file::create(directory).map_err(failed("create a temporary file beside"))?;
     // By the file itself: tempfile's own writer puts the temporary name into an error.
-    (aside.as_file_mut().write_all(bytes)).map_err(failed("write", path, KEPT))?;
+    (aside.as_file_mut().write_all(bytes)).map_err(failed("write"))?;
     if let Ok(existing) = fs::metadata(target) {
-        let permissions = existing.permissions();
-        (aside.as_file().set_permissions(permissions)).map_err(failed(
-            "pass on the permissions of",
-            path,
-            KEPT,
-        ))?;
+        let passed_on = aside.as_file().set_permissions(existing.permissions());
+        passed_on.map_err(failed("pass on the permissions of"))?;
     }
-    aside
-        .as_file()
-        .sync_all()
-        .map_err(failed("write", path, KEPT))?;
-    (aside.persist(target).map_err(|error| error.error)).map_err(failed("replace", path, KEPT))?;
-    sync_directory(directory).map_err(failed(
-        "sync the directory",
-        directory,
-        " (the new file is in place, but might not survive a power cut)",
-    ))
+    aside.as_file().sync_all().map_err(failed("write"))?;
+    (aside.persist(target).map_err(|error| error.error)).map_err(failed("replace"))?;
+    let in_place = " (the new file is in place, but might not survive a power cut)";
+    sync_directory(directory).map_err(self::failed("sync the directory", directory, in_place))
 }
 
 const KEPT: &str = " (whatever was there before is untouched)";

@@ -7,7 +7,7 @@ use super::template::{Template, blue_to_red, rendered};
 use crate::compare::Picture;
 use crate::film::Film;
 use crate::judging::{CaseResult, Judged};
-use crate::suite::Family;
+use crate::suite::{Case, Family};
 use cell::{Differences, bias, fault, shown, small};
 use mark::{Mark, legend};
 use minijinja::{Value, context};
@@ -50,16 +50,6 @@ impl GalleryRenderer {
     }
 }
 
-/// Golden of a case, and its name.
-pub(crate) struct GalleryCase<'c> {
-    /// `family/name`.
-    pub name: &'c str,
-    /// Exposure of the images, in stops.
-    pub exposure: f64,
-    /// The golden, or the reason why there is none.
-    pub golden: Result<Film, String>,
-}
-
 /// Row of a case.
 pub(crate) struct GalleryRow {
     /// `family/name`.
@@ -84,10 +74,15 @@ struct Cell {
     shown: Value,
 }
 
-/// The row of a case, with what was judged of each renderer.
-pub(crate) fn gallery_row(case: &GalleryCase<'_>, judged: Vec<Option<Judged>>) -> GalleryRow {
+/// The row of a case, with its golden, or the reason why there is none, and what was judged of each renderer.
+pub(crate) fn gallery_row(
+    case: &Case,
+    golden: Result<Film, String>,
+    judged: Vec<Option<Judged>>,
+) -> GalleryRow {
     let displayed = |picture: Picture| shown(&picture, case.exposure);
-    let golden = case.golden.clone().ok();
+    let trouble = golden.as_ref().err().cloned();
+    let golden = golden.ok();
     let golden = golden.and_then(|film| displayed(Picture::Radiance(film)));
     let images: Vec<_> = judged
         .iter()
@@ -127,11 +122,11 @@ pub(crate) fn gallery_row(case: &GalleryCase<'_>, judged: Vec<Option<Judged>>) -
         })
     };
     GalleryRow {
-        name: case.name.to_owned(),
+        name: case.name.clone(),
         head: context! {
             name => case.name,
             parts => case.name.split('/').collect::<Vec<_>>(),
-            trouble => case.golden.as_ref().err(),
+            trouble,
             golden => golden.as_ref().map(small),
             scale => differences().next().map(|_| format!("{scale:.0}")),
         },

@@ -76,7 +76,16 @@ pub fn results_html(page: &Page<'_>) -> String {
     let mut families: Vec<&str> = results.map(|result| result.family.as_str()).collect();
     families.sort_unstable();
     families.dedup();
-    let overall = overall(page.results);
+    let is_there = |verdict: &Verdict| verdict.count(page.results) > 0;
+    // An empty suite has passed nothing.
+    let overall = ORDER.into_iter().find(is_there).unwrap_or(Verdict::Missing);
+    let counts = ORDER.map(|verdict| {
+        context! {
+            verdict => verdict.name(),
+            symbol => words::symbol(verdict),
+            count => verdict.count(page.results),
+        }
+    });
     rendered(
         &TEMPLATE,
         context! {
@@ -91,7 +100,7 @@ pub fn results_html(page: &Page<'_>) -> String {
             symbol => words::symbol(overall),
             likely => page.found.likely,
             conventions => conventions(page.results),
-            counts => counts(page.results),
+            counts,
             families,
             cases,
             palettes => palettes(),
@@ -113,14 +122,6 @@ fn rank(verdict: Verdict) -> Option<usize> {
     ORDER.iter().position(|&other| other == verdict)
 }
 
-/// The first verdict in that order that any case has; an empty suite has passed nothing.
-fn overall(results: &[CaseResult]) -> Verdict {
-    let verdicts = results.iter().map(|result| result.verdict);
-    verdicts
-        .min_by_key(|&verdict| rank(verdict))
-        .unwrap_or(Verdict::Missing)
-}
-
 /// The conventions behind images, with the number of cases; those of most cases first.
 fn conventions(results: &[CaseResult]) -> Vec<Value> {
     let mut counts: Vec<(&str, usize)> = Vec::new();
@@ -133,23 +134,6 @@ fn conventions(results: &[CaseResult]) -> Vec<Value> {
     counts.sort_by_key(|&(_, count)| std::cmp::Reverse(count));
     let view = |(words, count): (&str, usize)| context! { words, count };
     counts.into_iter().map(view).collect()
-}
-
-/// The verdicts that any case has, with the number of cases.
-fn counts(results: &[CaseResult]) -> Vec<Value> {
-    let counts = ORDER.map(|verdict| {
-        let cases = results.iter().filter(|result| result.verdict == verdict);
-        (verdict, cases.count())
-    });
-    let counts = counts.into_iter().filter(|(_, count)| *count > 0);
-    let view = |(verdict, count): (Verdict, usize)| {
-        context! {
-            verdict => verdict.name(),
-            symbol => words::symbol(verdict),
-            count,
-        }
-    };
-    counts.map(view).collect()
 }
 
 /// The palettes of the maps: of FLIP as in [`crate::compare::flip`], as many colours as it

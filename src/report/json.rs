@@ -1,6 +1,6 @@
 //! Results for other programs.
 
-use crate::judging::{CaseResult, Likeness, Verdict};
+use crate::judging::{CaseResult, Verdict};
 use serde_json::{Map, Value, json};
 
 /// The results of the command `kind` (`verify`, `validate`, `compare`) as JSON.
@@ -12,11 +12,4 @@ pub(crate) fn results_json(kind: &str, results: &[CaseResult]) -> Value {
         "cases": results,
         "summary": summary.collect::<Map<_, _>>(),
     })
-}
-
-/// [`results_json`] of `validate`, with the likely mistakes over all cases.
-pub(crate) fn validation_json(results: &[CaseResult], likely: &[Likeness]) -> Value {
-    let mut value = results_json("validate", results);
-    value["looks_like"] = json!(likely);
-    value
 }

@@ -1,49 +1,26 @@
 //! Results for build servers.
 
-use crate::files::visible::xml_text;
+use super::template::xml;
 use crate::judging::{CaseResult, Cause, JudgedWith, Known, KnownStatus, Verdict, is_declared};
+use minijinja::{Value, context};
 use std::collections::BTreeMap;
-use std::fmt::Write;
 
 /// JUnit XML of the results, one test suite for each family, each with what loosens its judgements as properties.
 pub(crate) fn results_junit(results: &[CaseResult], judged_with: &JudgedWith) -> String {
-    let properties = properties(judged_with);
     let mut families: BTreeMap<&str, Vec<&CaseResult>> = BTreeMap::new();
     for result in results {
         families.entry(&result.family).or_default().push(result);
     }
-    let mut xml = format!(
-        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites name=\"volref\" {}>\n",
-        counts(results.iter())
-    );
-    for (family, results) in families {
-        let (family, counts) = (xml_text(family), counts(results.iter().copied()));
-        let _ = writeln!(xml, r#"    <testsuite name="volref/{family}" {counts}>"#);
-        xml.push_str(&properties);
-        for result in results {
-            xml.push_str(&test_case(result));
-        }
-        xml.push_str("    </testsuite>\n");
-    }
-    xml.push_str("</testsuites>\n");
-    xml
-}
-
-/// The element of properties; empty where there are none.
-fn properties(judged_with: &JudgedWith) -> String {
-    let properties = judged_with.properties();
-    if properties.is_empty() {
-        return String::new();
-    }
-    let mut text = String::from("        <properties>\n");
-    for (name, value) in properties {
-        let (name, value) = (xml_text(&name), xml_text(&value));
-        let _ = writeln!(
-            text,
-            r#"            <property name="volref.{name}" value="{value}"/>"#
-        );
-    }
-    text + "        </properties>\n"
+    let suites = families.into_iter().map(|(family, results)| {
+        let cases: Vec<Value> = results.iter().map(|result| test_case(result)).collect();
+        context! { family, cases, ..counts(&results) }
+    });
+    let context = context! {
+        suites => suites.collect::<Vec<_>>(),
+        properties => judged_with.properties(),
+        all => counts(&results.iter().collect::<Vec<_>>()),
+    };
+    xml(include_str!("junit.xml"), context)
 }
 
 /// The element for a result that does not count as a pass: only a difference is the fault of the image.
@@ -62,58 +39,43 @@ fn element(result: &CaseResult) -> Option<&'static str> {
     }
 }
 
-/// The attributes that count results.
-fn counts<'r>(results: impl Iterator<Item = &'r CaseResult> + Clone) -> String {
+/// Numbers of results.
+fn counts(results: &[&CaseResult]) -> Value {
     let of = |name| {
-        let such = |result: &&CaseResult| element(result) == Some(name);
-        results.clone().filter(such).count()
+        let such = |result: &&&CaseResult| element(result) == Some(name);
+        results.iter().filter(such).count()
     };
-    let (tests, skipped) = (results.clone().count(), of("skipped"));
-    let (errors, failures) = (of("error"), of("failure"));
-    format!(r#"tests="{tests}" skipped="{skipped}" failures="{failures}" errors="{errors}""#)
-}
-
-/// The attribute that states the kind of a failure.
-fn kind_of(result: &CaseResult) -> String {
-    format!(r#" type="{}""#, result.verdict.name())
-}
-
-fn test_case(result: &CaseResult) -> String {
-    let mut children = String::new();
-    if let Some(element) = element(result) {
-        let likely = match &result.looks_like[..] {
-            [] => String::new(),
-            names => format!("; looks like {}", names.join(", ")),
-        };
-        let known = result.known.as_ref().map(Known::in_words);
-        let said = format!("{}{likely}", result.reason);
-        let (said, kind) = match (known, element) {
-            // Its schema has no type for it.
-            (Some(known), "skipped") => (known, String::new()),
-            (Some(known), _) => (format!("{known}; {said}"), kind_of(result)),
-            (None, _) => (said, kind_of(result)),
-        };
-        let message = xml_text(&said);
-        let _ = writeln!(
-            children,
-            r#"            <{element} message="{message}"{kind}/>"#
-        );
+    context! {
+        tests => results.len(),
+        skipped => of("skipped"),
+        failures => of("failure"),
+        errors => of("error"),
     }
+}
+
+fn test_case(result: &CaseResult) -> Value {
+    let element = element(result);
+    let likely = match &result.looks_like[..] {
+        [] => String::new(),
+        names => format!("; looks like {}", names.join(", ")),
+    };
+    let said = format!("{}{likely}", result.reason);
+    let is_skipped = element == Some("skipped");
+    let message = match result.known.as_ref().map(Known::in_words) {
+        Some(known) if is_skipped => known,
+        Some(known) => format!("{known}; {said}"),
+        None => said,
+    };
     let notes = result.notes.iter().filter(|note| !is_declared(note));
     let notes: Vec<&str> = notes.map(String::as_str).collect();
-    if !notes.is_empty() {
-        let notes = xml_text(&notes.join("\n"));
-        let _ = writeln!(children, "            <system-out>{notes}</system-out>");
-    }
-    let tag = format!(
-        r#"testcase name="{}" classname="{}" time="{:.3}""#,
-        xml_text(&result.name),
-        xml_text(&result.family),
-        result.seconds
-    );
-    match &children[..] {
-        "" => format!("        <{tag}/>\n"),
-        _ => format!("        <{tag}>\n{children}        </testcase>\n"),
+    context! {
+        name => result.name,
+        seconds => format!("{:.3}", result.seconds),
+        element,
+        message,
+        // The schema has no type for one that is skipped.
+        kind => (!is_skipped).then(|| result.verdict.name()),
+        notes => notes.join("\n"),
     }
 }
 

@@ -11,11 +11,9 @@ mod terminal;
 
 pub(crate) use cost::wrapped;
 pub use cost::{cost_csv, cost_html, cost_json, cost_plot, cost_text};
-pub(crate) use gallery::{
-    GalleryAbout, GalleryCase, GalleryRenderer, GalleryRow, gallery_html, gallery_row,
-};
+pub(crate) use gallery::{GalleryAbout, GalleryRenderer, GalleryRow, gallery_html, gallery_row};
 pub use html::{Page, results_html};
-pub(crate) use json::{results_json, validation_json};
+pub(crate) use json::results_json;
 pub(crate) use junit::results_junit;
 pub(crate) use self_test::{self_test_json, self_test_text};
 pub(crate) use template::blue_to_red;

@@ -1,6 +1,6 @@
 //! Pages by templates, and images within them.
 
-use crate::files::visible::visible;
+use crate::files::visible::{visible, xml_text};
 use crate::film::Film;
 use minijinja::{Environment, Value, context};
 
@@ -29,6 +29,17 @@ pub(super) fn rendered(template: &Template, context: Value) -> String {
     let page = page.expect("the template is well-formed and asks only for what it is given");
     // A checkout may have given the template other ends of lines.
     visible(&page.replace("\r\n", "\n"))
+}
+
+/// The text of a template of XML and what it asks for; its filter `xml` escapes text.
+pub(super) fn xml(template: &str, context: Value) -> String {
+    let mut environment = Environment::new();
+    environment.set_trim_blocks(true);
+    environment.set_keep_trailing_newline(true);
+    environment.add_filter("xml", |text: String| xml_text(&text));
+    // A checkout may have given the template other ends of lines.
+    let text = environment.render_str(&template.replace("\r\n", "\n"), context);
+    text.expect("the template is well-formed and asks only for what it is given")
 }
 
 /// The address of a PNG image of 8-bit codes, row by row from the top.

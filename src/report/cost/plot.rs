@@ -2,9 +2,9 @@
 
 use super::words;
 use crate::cost::{Cost, Level, Sweep};
-use crate::files::visible::xml_text;
 use crate::math::log10;
-use minijinja::{Environment, Value, context};
+use crate::report::template::xml;
+use minijinja::{Value, context};
 
 /// Width of the drawing, height of a panel, and what is above, below and beside the axes.
 const WIDTH: f64 = 800.0;
@@ -100,10 +100,6 @@ pub fn plot(cost: &Cost) -> String {
             text => format!("{} [{unit}s]: {}", sweep.name, words::fitted(&sweep.order)),
         }
     });
-    let mut environment = Environment::new();
-    environment.set_trim_blocks(true);
-    environment.set_keep_trailing_newline(true);
-    environment.add_filter("xml", |text: String| xml_text(&text));
     let context = context! {
         width => WIDTH.to_string(),
         height => (line(cost.sweeps.len()) + 0.5 * LINE).to_string(),
@@ -112,10 +108,7 @@ pub fn plot(cost: &Cost) -> String {
         legend => legend.collect::<Vec<_>>(),
         lowest => decimal(line(cost.sweeps.len())),
     };
-    // A checkout may have given the template other ends of lines.
-    let template = include_str!("plot.svg").replace("\r\n", "\n");
-    let drawn = environment.render_str(&template, context);
-    drawn.expect("the template is well-formed and asks only for what it is given")
+    xml(include_str!("plot.svg"), context)
 }
 
 fn decimal(number: f64) -> String {

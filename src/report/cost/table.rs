@@ -2,7 +2,8 @@
 
 use super::words;
 use crate::cost::effects::EffectPrice;
-use crate::cost::{Cost, Event, MeanWork, Parameter, Sweep};
+use crate::cost::norms::Norms;
+use crate::cost::{Cost, Event, Level, MeanWork, Parameter, Sweep};
 use serde::Serialize;
 
 /// Rows of text: the first column begins at the left, the others end at the right.
@@ -58,6 +59,11 @@ impl Table {
     }
 }
 
+/// Rows of a first column alone.
+fn rows<'n>(names: impl Iterator<Item = &'n String>) -> Vec<Vec<String>> {
+    names.map(|name| vec![name.clone()]).collect()
+}
+
 /// The settings of a sweep.
 fn sweep(sweep: &Sweep) -> Table {
     let (levels, known) = (&sweep.levels, sweep.order.known);
@@ -84,43 +90,32 @@ fn sweep(sweep: &Sweep) -> Table {
     let mut table = Table {
         title: format!("{}: {width} × {height} pixels by the {varied}", sweep.name),
         heads: vec!["setting"],
-        rows: levels
-            .iter()
-            .map(|level| vec![level.setting.clone()])
-            .collect(),
+        rows: rows(levels.iter().map(|level| &level.setting)),
         notes,
     };
     let work = levels.iter().map(|level| &level.work);
     columns_of_work(&mut table, work.collect());
-    let l2 = |error: f64| {
-        let mark = if error > known { "" } else { "° " };
-        format!("{mark}{}", words::error(error))
-    };
-    table.column(
-        "mean error",
-        levels
-            .iter()
-            .map(|level| Some(words::error(level.error.l1))),
-    );
-    table.column(
-        "RMS error",
-        levels.iter().map(|level| Some(l2(level.error.l2))),
-    );
-    table.column(
-        "largest",
-        levels
-            .iter()
-            .map(|level| Some(words::error(level.error.max))),
-    );
+    type Error = fn(&Norms) -> f64;
+    let errors: [(_, Error); 3] = [
+        ("mean error", |error| error.l1),
+        ("RMS error", |error| error.l2),
+        ("largest", |error| error.max),
+    ];
+    for (head, error) in errors {
+        let shown = |level: &Level| {
+            let is_near = head == "RMS error" && level.error.l2 <= known;
+            let mark = if is_near { "° " } else { "" };
+            Some(format!("{mark}{}", words::error(error(&level.error))))
+        };
+        table.column(head, levels.iter().map(shown));
+    }
     let local = std::iter::once(&None).chain(&sweep.order.local);
     table.column(
         "order",
         local.map(|order| Some(format!("{:.2}", (*order)?))),
     );
-    let times = levels
-        .iter()
-        .map(|level| level.time.as_ref().map(words::times));
-    table.column("time per pixel", times);
+    let times = levels.iter().map(|level| level.time.as_ref());
+    table.column("time per pixel", times.map(|time| time.map(words::times)));
     table
 }
 
@@ -143,30 +138,19 @@ fn effects(effects: &[EffectPrice]) -> Table {
     let mut table = Table {
         title: "price of each effect by itself, per pixel".to_owned(),
         heads: vec!["effect"],
-        rows: effects
-            .iter()
-            .map(|effect| vec![effect.effect.clone()])
-            .collect(),
+        rows: rows(effects.iter().map(|effect| &effect.effect)),
         notes: vec![],
     };
-    columns_of_work(
-        &mut table,
-        effects.iter().map(|effect| &effect.work).collect(),
-    );
+    let work = effects.iter().map(|effect| &effect.work);
+    columns_of_work(&mut table, work.collect());
     let factor = |times: f64| format!("{times:.1}");
-    table.column(
-        "× work",
-        effects
-            .iter()
-            .map(|effect| effect.times_lookups.map(factor)),
-    );
+    let lookups = effects.iter().map(|effect| effect.times_lookups);
+    table.column("× work", lookups.map(|times| times.map(factor)));
     let times = || effects.iter().map(|effect| effect.time.as_ref());
     table.column("time", times().map(|time| time.map(words::times)));
     let first = times().next().flatten().map(|time| time.median);
-    table.column(
-        "× time",
-        times().map(|time| Some(factor(time?.median / first?))),
-    );
+    let times = times().map(|time| Some(factor(time?.median / first?)));
+    table.column("× time", times);
     table
 }
 
