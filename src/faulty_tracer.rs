@@ -1,16 +1,16 @@
 //! The plain path tracer's double, which makes mistakes.
 //!
-//! A copy of [`reference::path_tracer`](crate::reference::path_tracer), to be read first, with a switch
-//! at each place where path tracers go wrong: [`TransportFault`]. Images of a mistake show what it looks
+//! The loops of [`reference::path_tracer`](crate::reference::path_tracer), to be read first, with a switch
+//! at each place where path tracers go wrong: [`TransportFault`]. What no mistake touches is that tracer's own. Images of a mistake show what it looks
 //! like, so that it can be named; the reference has no switches. Without a fault both give the same bits
 //! (`tests/library/reference.rs`).
 
 use crate::geometry::{Direction, Emitter, Hit, Ray, Side, Solid, Surface};
 use crate::math::Moments;
 use crate::math::sampling::{Equiangular, LightOnRay, free_flight, power_heuristic};
-use crate::optics::{Light, Material, Sides, reflected, split};
+use crate::optics::{Light, Material, Sides};
 use crate::reference::media::{Segment, extinction, global_majorant, hull};
-use crate::reference::path_tracer::{Target, pdf_of_point, pick};
+use crate::reference::path_tracer::{Path, PathTracer, Target, pdf_of_point, pick};
 use crate::reference::random::Random;
 use crate::reference::vertex::{Scattered, Scatterer, Vertex};
 use crate::scene::{AreaLight, Body, Radiative, TransportFault};
@@ -22,9 +22,7 @@ const AT_THE_END: f64 = 1e-6;
 
 /// The plain path tracer with a mistake, or with none.
 pub struct FaultyTracer<'s> {
-    scene: &'s Radiative,
-    /// Rate of collisions `σ̄`, per length, the same everywhere.
-    majorant: f64,
+    plain: PathTracer<'s>,
     fault: Option<TransportFault>,
 }
 
@@ -32,26 +30,12 @@ pub struct FaultyTracer<'s> {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct EndlessPath;
 
-/// A path under way, from the eye.
-struct Path {
-    ray: Ray,
-    /// Probability density of the ray's direction, per steradian; `None` from the eye, a mirror or
-    /// glass.
-    pdf: Option<f64>,
-    throughput: DVec3,
-    radiance: DVec3,
-    /// The limit on bounces allows another.
-    may_bounce: bool,
-}
-
 impl<'s> FaultyTracer<'s> {
     /// A tracer of paths through `scene` with `fault`.
     pub fn new(scene: &'s Radiative, fault: Option<TransportFault>) -> FaultyTracer<'s> {
-        FaultyTracer {
-            scene,
-            majorant: global_majorant(&scene.media),
-            fault,
-        }
+        let majorant = global_majorant(&scene.media);
+        let plain = PathTracer { scene, majorant };
+        FaultyTracer { plain, fault }
     }
 
     /// The moments, by channel, of that many paths through the pixel at [column, row] of an image of this
@@ -68,7 +52,7 @@ impl<'s> FaultyTracer<'s> {
             let mut random = Random::new(seed, (row * size[0] + column) as u32, sample);
             let [x, y] = random.pair();
             let point = [column as f64 + edge * x, row as f64 + edge * y];
-            let ray = self.scene.camera.ray_through(point, size);
+            let ray = self.plain.scene.camera.ray_through(point, size);
             let radiance = self.radiance(ray, &mut random).to_array();
             if random.is_exhausted() {
                 return Err(EndlessPath);
@@ -87,7 +71,12 @@ impl<'s> FaultyTracer<'s> {
 
     /// Radiance that one path brings back along `ray`.
     fn radiance(&self, ray: Ray, random: &mut Random) -> DVec3 {
-        let max_bounces = self.scene.scattering.max_bounces().unwrap_or(u32::MAX);
+        let max_bounces = self
+            .plain
+            .scene
+            .scattering
+            .max_bounces()
+            .unwrap_or(u32::MAX);
         let mut path = Path {
             ray,
             pdf: None,
@@ -97,9 +86,9 @@ impl<'s> FaultyTracer<'s> {
         };
         for bounce in 0..=max_bounces {
             path.may_bounce = bounce < max_bounces;
-            let hit = self.hit(&path.ray);
+            let hit = self.plain.hit(&path.ray);
             let end = hit.as_ref().map_or(f64::INFINITY, |(_, hit)| hit.t);
-            let segments = Segment::along(&path.ray, end, &self.scene.media);
+            let segments = Segment::along(&path.ray, end, &self.plain.scene.media);
             if path.may_bounce {
                 let light = self.point_lights_along(&path.ray, &segments, random);
                 path.radiance += path.throughput * light;
@@ -119,7 +108,7 @@ impl<'s> FaultyTracer<'s> {
                     None
                 }
                 (None, None) => {
-                    path.radiance += path.throughput * self.scene.environment;
+                    path.radiance += path.throughput * self.plain.scene.environment;
                     None
                 }
             };
@@ -141,17 +130,6 @@ impl<'s> FaultyTracer<'s> {
         path.radiance
     }
 
-    /// The nearest surface on `ray`.
-    fn hit(&self, ray: &Ray) -> Option<(Target<'s>, Hit)> {
-        let far = f64::INFINITY;
-        let objects = self.scene.objects.iter();
-        let objects = objects.filter_map(|it| Some((Target::Object(it), it.shape.hit(ray, far)?)));
-        let lights = self.scene.area_lights.iter();
-        let lights = lights.filter_map(|it| Some((Target::Light(it), it.shape.hit(ray, far)?)));
-        let targets = objects.chain(lights);
-        targets.min_by(|(_, a), (_, b)| a.t.total_cmp(&b.t))
-    }
-
     /// Delta tracking along `segments` of the ray of `path`: the vertex where it scatters; `None` if it
     /// leaves the media, or is absorbed (throughput 0). Updates the throughput; adds emission and
     /// direct light at every collision.
@@ -159,20 +137,20 @@ impl<'s> FaultyTracer<'s> {
         let span = hull(segments)?;
         let mut t = span.near;
         loop {
-            t += free_flight(self.majorant, random.next());
+            t += free_flight(self.plain.majorant, random.next());
             if t >= span.far {
                 return None;
             }
             // The events that the collision may be, by their rates: null, or scattering in a medium.
-            let null = self.majorant - extinction(segments, t);
+            let null = self.plain.majorant - extinction(segments, t);
             let mut events = vec![(null.max(DVec3::ZERO), None)]; // below 0 by rounding only
             for medium in segments.iter().filter_map(|segment| segment.at(t)) {
-                path.radiance += path.throughput * medium.emission / self.majorant;
+                path.radiance += path.throughput * medium.emission / self.plain.majorant;
                 let vertex = Vertex::in_medium(&path.ray, t, medium.phase);
                 if path.may_bounce && medium.sigma_s != DVec3::ZERO {
                     let light = self.direct_light(&vertex, random);
                     let rate = self.rate_of_direct_light(medium.sigma_t, medium.sigma_s);
-                    path.radiance += path.throughput * rate * light / self.majorant;
+                    path.radiance += path.throughput * rate * light / self.plain.majorant;
                 }
                 events.push((medium.sigma_s, Some(vertex)));
             }
@@ -190,59 +168,43 @@ impl<'s> FaultyTracer<'s> {
             if vertex.is_none() && self.has(TransportFault::NullCollisionsUnweighted) {
                 continue;
             }
-            path.throughput = path.throughput * rate / self.majorant * (total / weights[index]);
+            path.throughput =
+                path.throughput * rate / self.plain.majorant * (total / weights[index]);
             if vertex.is_some() {
                 return vertex;
             }
         }
     }
 
-    /// Ratio tracking: an estimate of the transmittance along `ray` up to distance `end`.
-    fn transmittance(&self, ray: &Ray, end: f64, random: &mut Random) -> DVec3 {
-        let segments = Segment::along(ray, end, &self.scene.media);
-        let mut transmittance = DVec3::ONE;
-        let Some(span) = hull(&segments) else {
-            return transmittance;
-        };
-        let mut t = span.near;
-        loop {
-            t += free_flight(self.majorant, random.next());
-            if t >= span.far || transmittance == DVec3::ZERO {
-                return transmittance;
-            }
-            // Below 0 by rounding only.
-            transmittance *= (1.0 - extinction(&segments, t) / self.majorant).max(DVec3::ZERO);
-        }
-    }
-
     /// Transmittance along `ray` up to distance `end`; 0 if a surface blocks it.
     fn visibility(&self, ray: &Ray, end: f64, random: &mut Random) -> DVec3 {
-        let (objects, lights) = (&self.scene.objects, &self.scene.area_lights);
+        let (objects, lights) = (&self.plain.scene.objects, &self.plain.scene.area_lights);
         let behind_object = objects.iter().any(|it| it.shape.blocks(ray, end));
         let behind_light = lights.iter().any(|it| it.shape.blocks(ray, end));
         if behind_object || behind_light {
             return DVec3::ZERO;
         }
-        if self.has(TransportFault::BoundsBlockLight) && crosses_bounds(ray, end, &self.scene.media)
+        if self.has(TransportFault::BoundsBlockLight)
+            && crosses_bounds(ray, end, &self.plain.scene.media)
         {
             return DVec3::ZERO;
         }
         if self.has(TransportFault::ShadowRaysUnattenuated) {
             return DVec3::ONE;
         }
-        self.transmittance(ray, end, random)
+        self.plain.transmittance(ray, end, random)
     }
 
     /// Direct light scattered at `vertex`. In a medium, point and spot lights are left to
     /// [`FaultyTracer::point_lights_along`].
     fn direct_light(&self, vertex: &Vertex, random: &mut Random) -> DVec3 {
         let mut radiance = DVec3::ZERO;
-        for light in &self.scene.lights {
+        for light in &self.plain.scene.lights {
             if light.position().is_none() || matches!(vertex.scattering, Scatterer::Diffuse(_)) {
                 radiance += self.delta_light(vertex, light, random);
             }
         }
-        for light in &self.scene.area_lights {
+        for light in &self.plain.scene.area_lights {
             let on_light = light.shape.sample(random.pair());
             let Some((ray, distance)) = vertex.point.towards_surface(&on_light) else {
                 continue;
@@ -310,7 +272,7 @@ impl<'s> FaultyTracer<'s> {
     /// segment by equiangular sampling.
     fn point_lights_along(&self, ray: &Ray, segments: &[Segment], random: &mut Random) -> DVec3 {
         let mut radiance = DVec3::ZERO;
-        for light in &self.scene.lights {
+        for light in &self.plain.scene.lights {
             let Some(position) = light.position() else {
                 continue;
             };
@@ -330,7 +292,7 @@ impl<'s> FaultyTracer<'s> {
                 if let Some(medium) = segment.at(t) {
                     let vertex = Vertex::in_medium(ray, t, medium.phase);
                     let direct = self.delta_light(&vertex, light, random);
-                    let transmittance = self.transmittance(ray, t, random);
+                    let transmittance = self.plain.transmittance(ray, t, random);
                     let rate = self.rate_of_direct_light(medium.sigma_t, medium.sigma_s);
                     radiance += rate * direct * transmittance / angles.pdf(from_foot);
                 }
@@ -347,41 +309,22 @@ impl<'s> FaultyTracer<'s> {
         hit: &Hit,
         random: &mut Random,
     ) -> Option<Scattered> {
-        let outside = hit.side == Side::Front;
-        let outward = hit.point.normal;
-        let normal = if outside { outward } else { -outward };
-        let mirrored = reflected(path.ray.direction, normal);
-        let (direction, weight) = match material {
-            Material::Diffuse(reflectance) => {
-                let vertex = Vertex::on_surface(hit, normal, reflectance);
-                let for_lights = match self.fault {
-                    Some(TransportFault::ReflectanceLeftOutOfDirectLight) => DVec3::ONE,
-                    Some(TransportFault::ReflectanceSquaredInDirectLight) => {
-                        reflectance * reflectance
-                    }
-                    _ => reflectance,
-                };
-                let lit = Vertex::on_surface(hit, normal, for_lights);
-                path.radiance += path.throughput * self.direct_light(&lit, random);
-                return vertex.sample(random);
-            }
-            Material::Mirror(reflectance) => (mirrored, reflectance),
-            Material::Glass(index) => {
-                let ratio = if outside { 1.0 / index } else { index };
-                let fresnel = split(path.ray.direction, normal, ratio);
-                let scale = DVec3::splat(ratio * ratio); // L/n² is constant across refraction
-                match fresnel.refracted {
-                    Some(refracted) if random.next() >= fresnel.reflectance => (refracted, scale),
-                    _ => (mirrored, DVec3::ONE),
-                }
-            }
+        let Material::Diffuse(reflectance) = material else {
+            return self.plain.scatter_at_surface(path, material, hit, random);
         };
-        let ray = hit.point.leave(direction)?; // `None` only if rounding leaves no direction
-        Some(Scattered {
-            ray,
-            weight,
-            pdf: None,
-        })
+        let normal = match hit.side {
+            Side::Front => hit.point.normal,
+            Side::Back => -hit.point.normal,
+        };
+        let vertex = Vertex::on_surface(hit, normal, reflectance);
+        let for_lights = match self.fault {
+            Some(TransportFault::ReflectanceLeftOutOfDirectLight) => DVec3::ONE,
+            Some(TransportFault::ReflectanceSquaredInDirectLight) => reflectance * reflectance,
+            _ => reflectance,
+        };
+        let lit = Vertex::on_surface(hit, normal, for_lights);
+        path.radiance += path.throughput * self.direct_light(&lit, random);
+        vertex.sample(random)
     }
 
     /// Radiance of an area light that the ray of `path` hits, weighted against next-event estimation.

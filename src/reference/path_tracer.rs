@@ -91,22 +91,22 @@ pub fn render(
     Ok(Film::of_moments(size, &moments, samples))
 }
 
-struct PathTracer<'s> {
-    scene: &'s Radiative,
+pub(crate) struct PathTracer<'s> {
+    pub scene: &'s Radiative,
     /// Rate of collisions `σ̄`, per length, the same everywhere.
-    majorant: f64,
+    pub majorant: f64,
 }
 
 /// A path under way, from the eye.
-struct Path {
-    ray: Ray,
+pub(crate) struct Path {
+    pub ray: Ray,
     /// Probability density of the ray's direction, per steradian; `None` from the eye, a mirror or
     /// glass.
-    pdf: Option<f64>,
-    throughput: DVec3,
-    radiance: DVec3,
+    pub pdf: Option<f64>,
+    pub throughput: DVec3,
+    pub radiance: DVec3,
     /// The limit on bounces allows another.
-    may_bounce: bool,
+    pub may_bounce: bool,
 }
 
 /// The object or the light that a ray hits.
@@ -171,7 +171,7 @@ impl<'s> PathTracer<'s> {
     }
 
     /// The nearest surface on `ray`.
-    fn hit(&self, ray: &Ray) -> Option<(Target<'s>, Hit)> {
+    pub fn hit(&self, ray: &Ray) -> Option<(Target<'s>, Hit)> {
         let far = f64::INFINITY;
         let objects = self.scene.objects.iter();
         let objects = objects.filter_map(|it| Some((Target::Object(it), it.shape.hit(ray, far)?)));
@@ -223,7 +223,7 @@ impl<'s> PathTracer<'s> {
     }
 
     /// Ratio tracking: an estimate of the transmittance along `ray` up to distance `end`.
-    fn transmittance(&self, ray: &Ray, end: f64, random: &mut Random) -> DVec3 {
+    pub fn transmittance(&self, ray: &Ray, end: f64, random: &mut Random) -> DVec3 {
         let segments = Segment::along(ray, end, &self.scene.media);
         let mut transmittance = DVec3::ONE;
         let Some(span) = hull(&segments) else {
@@ -330,7 +330,7 @@ impl<'s> PathTracer<'s> {
     }
 
     /// Scattering of `path` at a surface. Adds direct light to the path.
-    fn scatter_at_surface(
+    pub fn scatter_at_surface(
         &self,
         path: &mut Path,
         material: Material,

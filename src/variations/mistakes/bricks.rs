@@ -3,7 +3,7 @@
 //! Bricks have 8 to 128 nodes to an edge: brick m holds nodes n·m to n·m + n − 1 along each axis.
 
 use super::grids::{GridValues, rearranged};
-use super::{Edit, Mistake, set};
+use super::{Edit, Mistake, makes};
 use crate::scene::{Classified, Fault};
 use crate::volume::{Grid, Interpolation};
 use std::sync::Arc;
@@ -17,8 +17,9 @@ macro_rules! of_bricks {
             concat!("the volume is stored in bricks of ", $edge, " nodes, and a layer between any two is missing: bricks follow each other without a gap");
         concat!("brick-borders-clamped-", $edge) => Classified(|scene| clamped(scene, $edge)),
             concat!("the volume is stored in bricks of ", $edge, " nodes, and values are not interpolated across their borders: a brick needs the first layer of the next");
-        concat!("samples-counted-from-bricks-of-", $edge) => Classified(|scene| !scene.is_continuous()
-            && has_borders(scene, $edge) && set(&mut scene.conventions.fault, Some(Fault::StepsFromBricks($edge)))),
+        concat!("samples-counted-from-bricks-of-", $edge) => Classified(|scene| {
+            makes(scene, !scene.is_continuous() && has_borders(scene, $edge), Fault::StepsFromBricks($edge))
+        }),
             concat!("samples are counted anew from the face of each brick of ", $edge, " cells: they lie at whole steps from where the ray enters the volume, whatever it is stored in");
         )+
         "atlas-width-wrong" => Grid(of_a_wrong_atlas),
@@ -63,8 +64,7 @@ fn clamped(scene: &mut Classified, edge: u32) -> bool {
     let occurs = !scene.is_continuous()
         && scene.interpolation == Interpolation::Trilinear
         && has_borders(scene, edge as usize);
-    let fault = Some(Fault::BricksWithoutNeighbours(edge));
-    occurs && set(&mut scene.conventions.fault, fault)
+    makes(scene, occurs, Fault::BricksWithoutNeighbours(edge))
 }
 
 /// The slices of an atlas whose rows are counted by their own number, as deep as the atlas is wide in

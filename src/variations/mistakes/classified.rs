@@ -1,6 +1,6 @@
 //! Mistakes in ray casters of classified volumes.
 
-use super::{Edit, Mistake, set};
+use super::{Edit, Mistake, makes, set};
 use crate::geometry::length_of;
 use crate::optics::{Appearance, Colormap, Phong, TransferPoint, TransferPoints};
 use crate::scene::{Classified, Fault, Gradient, Mode, Shadow, StepLength};
@@ -22,22 +22,17 @@ pub(super) const MISTAKES: &[Mistake] = mistakes! {
         referred(scene, |reference, _| reference * f64::EPSILON * f64::EPSILON)
     }),
         "all that is not transparent is opaque, as though opacities were stated over no length: the unit distance is not 0";
-    "colours-added" => Classified(|scene| !scene.is_continuous() && set(&mut scene.conventions.fault, Some(Fault::ColoursAdded))),
+    "colours-added" => Classified(|scene| makes(scene, !scene.is_continuous(), Fault::ColoursAdded)),
         "the colours of samples are added, whatever lies before them: each is multiplied by the transmittance of the samples in front of it";
     "rays-end-too-soon" => Classified(|scene| {
-        let longest = scene
-            .extent()
-            .edges()
-            .map(length_of)
-            .into_iter()
-            .fold(0.0, f64::max);
-        let steps = longest / scene.step;
-        let most = (0.5..1e7).contains(&steps).then(|| Fault::MostSteps(steps.round() as u32));
-        !scene.is_continuous() && most.is_some() && set(&mut scene.conventions.fault, most)
+        let edges = scene.extent().edges().map(length_of);
+        let steps = edges.into_iter().fold(0.0, f64::max) / scene.step;
+        let occurs = !scene.is_continuous() && (0.5..1e7).contains(&steps);
+        makes(scene, occurs, Fault::MostSteps(steps.round() as u32))
     }),
         "rays end after as many steps as the longest edge of the volume takes: a diagonal takes up to 1.7 times as many";
     "samples-behind-the-eye" => Classified(|scene| {
-        !scene.is_continuous() && eye_is_inside(scene) && set(&mut scene.conventions.fault, Some(Fault::BeginsBehindEye))
+        makes(scene, !scene.is_continuous() && eye_is_inside(scene), Fault::BeginsBehindEye)
     }),
         "with the eye inside the volume rays begin behind it, where their line enters the box: they begin at the eye, at t = 0";
     "transparency-not-normalised" => Opacity(|opacity| set(&mut opacity.floor, 0.0)),
@@ -100,9 +95,9 @@ pub(super) const MISTAKES: &[Mistake] = mistakes! {
         shadowed(scene, |shadow| set(&mut shadow.reference_step, shadow.step))
     }),
         "shadows depend on the step: the sum towards the light counts densities times step over reference step";
-    "lookups-half-voxel-on" => Classified(|scene| looked_up(scene, Fault::LookedUpOn)),
+    "lookups-half-voxel-on" => Classified(|scene| makes(scene, !scene.is_continuous(), Fault::LookedUpOn)),
         "values are looked up half a voxel beside the sample, towards larger coordinates, in a box that is in its place: texture coordinates are (u + 1/2)/n for node coordinates u, once";
-    "lookups-half-voxel-back" => Classified(|scene| looked_up(scene, Fault::LookedUpBack)),
+    "lookups-half-voxel-back" => Classified(|scene| makes(scene, !scene.is_continuous(), Fault::LookedUpBack)),
         "values are looked up half a voxel beside the sample, towards smaller coordinates, in a box that is in its place: texture coordinates are (u + 1/2)/n for node coordinates u, not u/n";
     "transform-ignored" => Classified(|scene| scene.to_world.take().is_some()),
         "the volume stands where its grid would be without a map: apply the transform of the scene, after that of the file";
@@ -112,13 +107,11 @@ pub(super) const MISTAKES: &[Mistake] = mistakes! {
     }),
         "the volume is placed by the inverse of its map: points go to the world by the matrix, rays into the volume by its inverse; is it stored by rows or by columns?";
     "normals-not-inverse-transposed" => Classified(|scene| {
-        scene.to_world.is_some() && scene.phong.is_some()
-            && set(&mut scene.conventions.fault, Some(Fault::GradientsAsVectors))
+        makes(scene, scene.to_world.is_some() && scene.phong.is_some(), Fault::GradientsAsVectors)
     }),
         "normals are mapped as vectors are: gradients go to the world by the transpose of the inverse matrix";
     "normals-not-turned" => Classified(|scene| {
-        scene.to_world.is_some() && scene.phong.is_some()
-            && set(&mut scene.conventions.fault, Some(Fault::GradientsUnmapped))
+        makes(scene, scene.to_world.is_some() && scene.phong.is_some(), Fault::GradientsUnmapped)
     }),
         "normals stay as they are in the volume while it turns: gradients go to the world by the transpose of the inverse matrix";
     "step-in-volume-space" => Classified(|scene| {
@@ -170,10 +163,8 @@ fn projected_otherwise(scene: &mut Classified) -> bool {
     let centre = scene.extent().world_bounds().centre();
     let depth = (centre - scene.camera.eye()).dot(*scene.camera.axis());
     let is_before = depth > 0.5 * scene.diagonal();
-    if is_before {
-        scene.camera = scene.camera.with_other_projection(depth);
-    }
-    is_before
+    let other = is_before.then(|| scene.camera.with_other_projection(depth));
+    other.is_some_and(|other| set(&mut scene.camera, other))
 }
 
 /// Another reference length, from the old one and the step. Only composited samples have one.
@@ -184,10 +175,6 @@ fn referred(scene: &mut Classified, edit: fn(f64, f64) -> f64) -> bool {
     let length = &mut scene.transfer_function.reference_length;
     let new = edit(*length, scene.step);
     new.is_normal() && set(length, new)
-}
-
-fn looked_up(scene: &mut Classified, fault: Fault) -> bool {
-    !scene.is_continuous() && set(&mut scene.conventions.fault, Some(fault))
 }
 
 fn eye_is_inside(scene: &Classified) -> bool {

@@ -74,21 +74,17 @@ pub(super) type GridValues = Arc<Grid<f32>>;
 fn moved_by_voxels(grid: &GridValues, voxels: DVec3) -> Option<GridValues> {
     let old = grid.lattice();
     let first = old.first() + old.spacing() * voxels;
-    let lattice = Lattice::new(old.nodes(), old.spacing(), first).ok()?;
-    on(lattice.with_centring(old.centring()).ok()?, grid)
+    placed(grid, old.spacing(), first, old.centring())
 }
 
 /// In the same box, but each value in the middle of a cell of its own.
 fn cells_for_nodes(grid: &GridValues) -> Option<GridValues> {
     let old = grid.lattice();
-    if old.centring() == Centring::Cells {
-        return None;
-    }
     let bounds = old.bounds();
     let counts = DVec3::from_array(old.nodes().map(|count| count as f64));
     let spacing = bounds.size() / counts;
-    let lattice = Lattice::new(old.nodes(), spacing, bounds.min + spacing * 0.5).ok()?;
-    on(lattice.with_centring(Centring::Cells).ok()?, grid)
+    (old.centring() != Centring::Cells).then_some(())?;
+    placed(grid, spacing, bounds.min + spacing * 0.5, Centring::Cells)
 }
 
 /// Every spacing is the shortest, about the same centre.
@@ -97,9 +93,27 @@ fn as_cubes(grid: &GridValues) -> Option<GridValues> {
     let spacing = DVec3::splat(old.voxel());
     let middle = old.bounds().centre();
     let steps = DVec3::from_array(old.nodes().map(|count| (count - 1) as f64));
-    let lattice = Lattice::new(old.nodes(), spacing, middle - 0.5 * steps * spacing).ok()?;
     (spacing != old.spacing()).then_some(())?;
-    on(lattice.with_centring(old.centring()).ok()?, grid)
+    placed(
+        grid,
+        spacing,
+        middle - 0.5 * steps * spacing,
+        old.centring(),
+    )
+}
+
+/// The values with this spacing from this place on.
+fn placed(
+    grid: &GridValues,
+    spacing: DVec3,
+    first: DVec3,
+    centring: Centring,
+) -> Option<GridValues> {
+    let lattice = Lattice::new(grid.lattice().nodes(), spacing, first).ok()?;
+    on(
+        lattice.with_centring(centring).ok()?,
+        grid.values().to_vec(),
+    )
 }
 
 /// Without so many of the first and of the last layers along each axis that has more.
@@ -115,13 +129,12 @@ fn part(grid: &GridValues, first: [usize; 3], last: [usize; 3]) -> Option<GridVa
         old.index([i + first[0], j + first[1], k + first[2]])
     };
     let values = (0..lattice.node_count()).map(|index| grid.values()[source(index)]);
-    Grid::new(lattice, values.collect()).ok().map(Arc::new)
+    on(lattice, values.collect())
 }
 
-/// The values of `grid` at the nodes of another lattice.
-fn on(lattice: Lattice, grid: &GridValues) -> Option<GridValues> {
-    let grid = Grid::new(lattice, grid.values().to_vec());
-    grid.ok().map(Arc::new)
+/// These values at the nodes of a lattice.
+fn on(lattice: Lattice, values: Vec<f32>) -> Option<GridValues> {
+    Grid::new(lattice, values).ok().map(Arc::new)
 }
 
 /// Read as though z ran fastest; nothing of a grid that is no cube of nodes is left in its place,
@@ -209,8 +222,7 @@ fn transposed(grid: &GridValues) -> Option<GridValues> {
         let [i, j, k] = lattice.node(index);
         grid.values()[old.index([k, j, i])]
     });
-    let values = (nx != nz).then(|| values.collect())?;
-    Grid::new(lattice, values).ok().map(Arc::new)
+    on(lattice, (nx != nz).then(|| values.collect())?)
 }
 
 /// The node of x and z exchanged, clamped to the grid; nothing of a grid with as many nodes along both.
@@ -228,11 +240,11 @@ pub(super) fn rearranged(
 ) -> Option<GridValues> {
     let (lattice, values) = (*grid.lattice(), grid.values());
     let moved = (0..values.len()).map(|index| values[source(lattice.node(index))]);
-    Grid::new(lattice, moved.collect()).ok().map(Arc::new)
+    on(lattice, moved.collect())
 }
 
 /// Each value by itself.
 pub(super) fn mapped(grid: &GridValues, map: impl Fn(f32) -> f32) -> Option<GridValues> {
-    let values = grid.values().iter().map(|&value| map(value)).collect();
-    Grid::new(*grid.lattice(), values).ok().map(Arc::new)
+    let values = grid.values().iter().map(|&value| map(value));
+    on(*grid.lattice(), values.collect())
 }

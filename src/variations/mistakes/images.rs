@@ -3,7 +3,7 @@
 use super::{Edit, Mistake};
 use crate::film::Film;
 use crate::math;
-use crate::variations::edited_film::{mapped, rebuilt, value};
+use crate::variations::edited_film::{Value, mapped, rebuilt, value};
 use std::f64::consts::PI;
 
 pub(super) const MISTAKES: &[Mistake] = mistakes! {
@@ -201,21 +201,11 @@ fn convolved(film: &Film, taps: &[([isize; 2], f64)]) -> Film {
     let clamped =
         |at: usize, offset: isize, size: usize| at.saturating_add_signed(offset).min(size - 1);
     rebuilt(film, |film, [x, y]| {
-        let (mut mean, mut variance) = ([0.0; 3], [0.0; 3]);
-        for &([right, down], weight) in taps {
-            let (m, v) = value(
-                film,
-                [
-                    clamped(x, right, film.width()),
-                    clamped(y, down, film.height()),
-                ],
-            );
-            for c in 0..3 {
-                mean[c] += weight * m[c];
-                variance[c] += weight * weight * v[c];
-            }
-        }
-        (mean, variance)
+        let (width, height) = (film.width(), film.height());
+        let places = taps.iter().map(|&([right, down], weight)| {
+            ([clamped(x, right, width), clamped(y, down, height)], weight)
+        });
+        weighted(film, places)
     })
 }
 
@@ -224,21 +214,22 @@ fn coarsened(film: &Film) -> Film {
     rebuilt(film, |film, [x, y]| {
         let xs = [x & !1, (x | 1).min(film.width() - 1)];
         let ys = [y & !1, (y | 1).min(film.height() - 1)];
-        let (mut mean, mut variance) = ([0.0; 3], [0.0; 3]);
-        for at in [
-            [xs[0], ys[0]],
-            [xs[1], ys[0]],
-            [xs[0], ys[1]],
-            [xs[1], ys[1]],
-        ] {
-            let (m, v) = value(film, at);
-            for c in 0..3 {
-                mean[c] += m[c] / 4.0;
-                variance[c] += v[c] / 16.0;
-            }
-        }
-        (mean, variance)
+        let places = [0, 1, 2, 3].map(|i| ([xs[i % 2], ys[i / 2]], 0.25));
+        weighted(film, places.into_iter())
     })
+}
+
+/// A weighted sum of pixels.
+fn weighted(film: &Film, places: impl Iterator<Item = ([usize; 2], f64)>) -> Value {
+    let (mut mean, mut variance) = ([0.0; 3], [0.0; 3]);
+    for (at, weight) in places {
+        let (m, v) = value(film, at);
+        for c in 0..3 {
+            mean[c] += weight * m[c];
+            variance[c] += weight * weight * v[c];
+        }
+    }
+    (mean, variance)
 }
 
 #[cfg(test)]

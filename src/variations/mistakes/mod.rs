@@ -28,7 +28,7 @@ use self::grids::GridValues;
 use crate::film::Film;
 use crate::geometry::{Camera, Surface, length_of};
 use crate::optics::{Appearance, Homogeneous, Light, Material, TransferOpacity};
-use crate::scene::{Body, Classified, Curve, Mode, Model, Radiative, Scene, TransportFault};
+use crate::scene::{Body, Classified, Curve, Fault, Mode, Model, Radiative, Scene, TransportFault};
 use glam::DVec3;
 
 /// A mistake.
@@ -211,6 +211,11 @@ fn changed<'i, T: Copy + PartialEq + 'i>(
 fn set<T: PartialEq>(value: &mut T, new: T) -> bool {
     let old = std::mem::replace(value, new);
     old != *value
+}
+
+/// Makes the mistake that no file states, if it `occurs` in `scene`.
+fn makes(scene: &mut Classified, occurs: bool, fault: Fault) -> bool {
+    occurs && set(&mut scene.conventions.fault, Some(fault))
 }
 
 /// The formula for opacity, where the model has one.

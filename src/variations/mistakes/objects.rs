@@ -1,33 +1,27 @@
 //! Mistakes in classified scenes of several volumes, surfaces and clips.
 
-use super::{Edit, Mistake, set};
-use crate::scene::{Classified, Fault, Kept};
+use super::{Edit, Mistake, makes, set};
+use crate::scene::{Fault, Kept};
 
 pub(super) const MISTAKES: &[Mistake] = mistakes! {
-    "last-drawn-in-front" => Classified(|scene| composed(scene, Fault::LastInFront)),
+    "last-drawn-in-front" => Classified(|scene| makes(scene, !scene.objects.volumes.is_empty(), Fault::LastInFront)),
         "each volume lies as a whole in front of those before it in the scene: where volumes overlap, sample all of them along the ray, and add their extinctions";
-    "volumes-by-nearest-box" => Classified(|scene| composed(scene, Fault::NearestBoxInFront)),
+    "volumes-by-nearest-box" => Classified(|scene| makes(scene, !scene.objects.volumes.is_empty(), Fault::NearestBoxInFront)),
         "volumes are composited one after the other, that whose box is entered first in front: where they overlap, sample all of them along the ray, and add their extinctions";
-    "opacities-of-volumes-added" => Classified(|scene| composed(scene, Fault::OpacitiesAdded)),
+    "opacities-of-volumes-added" => Classified(|scene| makes(scene, !scene.objects.volumes.is_empty(), Fault::OpacitiesAdded)),
         "where volumes overlap, their opacities are added: it is extinctions that add, so opacities are 1 - (1 - a)(1 - b)";
-    "colours-of-volumes-unweighted" => Classified(|scene| composed(scene, Fault::ColoursUnweighted)),
+    "colours-of-volumes-unweighted" => Classified(|scene| makes(scene, !scene.objects.volumes.is_empty(), Fault::ColoursUnweighted)),
         "where volumes overlap, the mean of their colours has no weights: weigh each by its extinction";
     "step-of-first-volume" => Classified(|scene| {
         let step = scene.step;
-        let mut occurs = false;
-        for volume in &mut scene.objects.volumes {
-            occurs |= set(&mut volume.step, step);
-        }
-        occurs
+        let volumes = scene.objects.volumes.iter_mut();
+        volumes.fold(false, |occurs, volume| set(&mut volume.step, step) | occurs)
     }),
         "every volume is sampled by the step of the first one: each has a step of its own, in its own voxels";
     "transfer-function-of-first-volume" => Classified(|scene| {
         let first = scene.transfer_function.clone();
-        let mut occurs = false;
-        for volume in &mut scene.objects.volumes {
-            occurs |= set(&mut volume.transfer_function, first.clone());
-        }
-        occurs
+        let volumes = scene.objects.volumes.iter_mut();
+        volumes.fold(false, |occurs, volume| set(&mut volume.transfer_function, first.clone()) | occurs)
     }),
         "every volume has the colours and opacities of the first one: each has a transfer function of its own";
     "modulation-left-out" => Classified(|scene| scene.objects.modulation.take().is_some()),
@@ -35,25 +29,21 @@ pub(super) const MISTAKES: &[Mistake] = mistakes! {
     "classified-by-the-second-number" => Classified(|scene| {
         let modulation = scene.objects.modulation.as_ref();
         let second = modulation.map(|modulation| modulation.grid.clone());
-        second.is_some_and(|grid| {
-            let occurs = *grid != *scene.grid;
-            scene.grid = grid;
-            occurs
-        })
+        second.is_some_and(|grid| set(&mut scene.grid, grid))
     }),
         "colours and opacities are those of the second number: it gives the factor of opacities alone";
-    "surfaces-behind-volumes" => Classified(|scene| placed(scene, Fault::SurfacesBehind)),
+    "surfaces-behind-volumes" => Classified(|scene| makes(scene, !scene.objects.surfaces.is_empty(), Fault::SurfacesBehind)),
         "surfaces lie behind all volumes: a ray ends at the nearest surface, and what is behind it is not sampled";
-    "surfaces-in-front-of-volumes" => Classified(|scene| placed(scene, Fault::SurfacesInFront)),
+    "surfaces-in-front-of-volumes" => Classified(|scene| makes(scene, !scene.objects.surfaces.is_empty(), Fault::SurfacesInFront)),
         "surfaces hide the volumes before them: what a ray passes on its way to a surface lies in front of it";
-    "surfaces-cut-by-boxes" => Classified(|scene| placed(scene, Fault::SurfacesCutByBoxes)),
+    "surfaces-cut-by-boxes" => Classified(|scene| makes(scene, !scene.objects.surfaces.is_empty(), Fault::SurfacesCutByBoxes)),
         "surfaces within or behind the box of a volume are missing: a volume that is drawn first must leave no depth at the faces of its box, where nothing may be";
     "surfaces-cast-no-shadow" => Classified(|scene| {
-        !scene.objects.surfaces.is_empty() && shadowed(scene, Fault::NoShadowOfSurfaces)
+        makes(scene, !scene.objects.surfaces.is_empty() && scene.shadow.is_some(), Fault::NoShadowOfSurfaces)
     }),
         "surfaces cast no shadow: the light does not reach what is behind them";
     "no-shadow-on-surfaces" => Classified(|scene| {
-        !scene.objects.surfaces.is_empty() && shadowed(scene, Fault::NoShadowOnSurfaces)
+        makes(scene, !scene.objects.surfaces.is_empty() && scene.shadow.is_some(), Fault::NoShadowOnSurfaces)
     }),
         "volumes cast no shadow on surfaces: what a surface reflects is dimmed by the volumes on the way of the light";
     "clips-ignored" => Classified(|scene| {
@@ -74,19 +64,7 @@ pub(super) const MISTAKES: &[Mistake] = mistakes! {
     }),
         "the wrong side of a clip plane is left: the normal points to what is kept";
     "clipped-parts-cast-shadows" => Classified(|scene| {
-        !scene.objects.clips.is_empty() && shadowed(scene, Fault::ShadowsUnclipped)
+        makes(scene, !scene.objects.clips.is_empty() && scene.shadow.is_some(), Fault::ShadowsUnclipped)
     }),
         "what is clipped away still casts a shadow: rays towards the light are cut by clips, too";
 };
-
-fn composed(scene: &mut Classified, fault: Fault) -> bool {
-    !scene.objects.volumes.is_empty() && set(&mut scene.conventions.fault, Some(fault))
-}
-
-fn placed(scene: &mut Classified, fault: Fault) -> bool {
-    !scene.objects.surfaces.is_empty() && set(&mut scene.conventions.fault, Some(fault))
-}
-
-fn shadowed(scene: &mut Classified, fault: Fault) -> bool {
-    scene.shadow.is_some() && set(&mut scene.conventions.fault, Some(fault))
-}
