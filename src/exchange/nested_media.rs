@@ -444,9 +444,13 @@ fn lies_in(inner: &Form, outer: &Form, gap: f64) -> bool {
     }
 }
 
-/// Whether the boxes around two forms, along the axes of the world, are apart by more than `gap`.
+/// Whether a plane parts two forms, or the boxes around them, by more than `gap`: one along a face of either.
 fn apart(a: &Form, b: &Form, gap: f64) -> bool {
-    DVec3::AXES.into_iter().any(|axis| {
+    let axes = [a, b].into_iter().flat_map(|form| match form {
+        Form::Box { edges, .. } => edges.map(DVec3::normalize),
+        _ => DVec3::AXES,
+    });
+    axes.into_iter().any(|axis| {
         let ([low, high], [other_low, other_high]) = (extent_of(a, axis), extent_of(b, axis));
         other_low > high + gap || low > other_high + gap
     })
