@@ -14,6 +14,7 @@ mod several;
 mod shapes;
 mod volume;
 
+use super::files::SharedFiles;
 use super::{Export, Format, Refusal};
 use crate::geometry::Mesh;
 use crate::optics::{TransferPoint, TransferPoints};
@@ -27,7 +28,10 @@ use inline_arrays::{Entries, Json, entries, to_json};
 /// radiative scene. The same scene gives the same bytes. Refused are other conventions than volref's.
 /// The exposure is that of 8-bit images, in stops, where it is known.
 pub(super) fn bundle(scene: &Scene, name: &str, exposure: Option<f64>) -> Result<Export, Refusal> {
-    let mut raw = RawFiles::new(name);
+    let mut raw = SharedFiles {
+        name,
+        files: Vec::new(),
+    };
     let mut panels = Vec::new();
     let mut first_column = 0;
     for panel in &scene.panels {
@@ -49,7 +53,7 @@ pub(super) fn bundle(scene: &Scene, name: &str, exposure: Option<f64>) -> Result
     Ok(Export { main, files })
 }
 
-fn content(panel: &Panel, raw: &mut RawFiles) -> Result<Entries, Refusal> {
+fn content(panel: &Panel, raw: &mut SharedFiles) -> Result<Entries, Refusal> {
     match &panel.model {
         Model::Classified(scene) if scene.conventions != Conventions::default() => {
             let what = "a bundle describes volref's conventions only; leave the table out";
@@ -123,18 +127,8 @@ fn points(points: &TransferPoints) -> Json {
     Json::List(points.points().iter().map(point).collect())
 }
 
-/// The files beside the JSON: bare numbers, little endian.
-struct RawFiles<'n> {
-    name: &'n str,
-    files: Vec<(String, Vec<u8>)>,
-}
-
-impl RawFiles<'_> {
-    fn new(name: &str) -> RawFiles<'_> {
-        let files = Vec::new();
-        RawFiles { name, files }
-    }
-
+/// The files beside the JSON are bare numbers, little endian.
+impl SharedFiles<'_> {
     /// A mesh, its vertices and its triangles in files of their own.
     fn mesh(&mut self, mesh: &Mesh) -> Entries {
         let coordinates = mesh.vertices().iter().flat_map(|it| it.to_array());
@@ -143,8 +137,8 @@ impl RawFiles<'_> {
         let triangles = corners.flat_map(|&corner| (corner as u32).to_le_bytes());
         let triangles = triangles.collect();
         entries! {
-            "kind": "mesh", "vertices": self.shared("vertices", vertices),
-            "vertex_count": mesh.vertices().len(), "triangles": self.shared("triangles", triangles),
+            "kind": "mesh", "vertices": self.raw("vertices", vertices),
+            "vertex_count": mesh.vertices().len(), "triangles": self.raw("triangles", triangles),
             "triangle_count": mesh.faces().len(),
         }
     }
@@ -157,21 +151,11 @@ impl RawFiles<'_> {
     /// Name of the file that holds these numbers.
     fn floats(&mut self, kind: &str, values: &[f32]) -> String {
         let bytes = values.iter().flat_map(|value| value.to_le_bytes());
-        self.shared(kind, bytes.collect())
+        self.raw(kind, bytes.collect())
     }
 
-    /// Name of the file that holds these bytes: equal ones share it.
-    fn shared(&mut self, kind: &str, bytes: Vec<u8>) -> String {
-        let begin = format!("{}.{kind}-", self.name);
-        let alike = self
-            .files
-            .iter()
-            .filter(|(name, _)| name.starts_with(&begin));
-        if let Some((name, _)) = alike.clone().find(|(_, other)| *other == bytes) {
-            return name.clone();
-        }
-        let file = format!("{begin}{}.raw", alike.count() + 1);
-        self.files.push((file.clone(), bytes));
-        file
+    /// Name of the file that holds these bytes.
+    fn raw(&mut self, kind: &str, bytes: Vec<u8>) -> String {
+        self.file([&format!("{kind}-"), ".raw"], 1, bytes)
     }
 }

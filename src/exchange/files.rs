@@ -29,22 +29,28 @@ fn ply(vertices: &[DVec3], faces: &[[usize; 3]]) -> Vec<u8> {
     bytes
 }
 
-/// Meshes in files of their own, equal ones in one.
-pub(super) struct Meshes<'n> {
+/// Files beside the main one: equal ones are one.
+pub(super) struct SharedFiles<'n> {
     /// The name that all files begin with.
     pub name: &'n str,
     /// Files by name.
     pub files: Vec<(String, Vec<u8>)>,
 }
 
-impl Meshes<'_> {
+impl SharedFiles<'_> {
     /// The file of a mesh.
-    pub(super) fn file(&mut self, vertices: &[DVec3], faces: &[[usize; 3]]) -> String {
-        let bytes = ply(vertices, faces);
-        if let Some((file, _)) = self.files.iter().find(|(_, other)| *other == bytes) {
-            return file.clone();
+    pub(super) fn ply(&mut self, vertices: &[DVec3], faces: &[[usize; 3]]) -> String {
+        self.file(["mesh", ".ply"], 0, ply(vertices, faces))
+    }
+
+    /// Name of the file that holds these bytes: that of all, and between `ends` a number, from `first` on.
+    pub(super) fn file(&mut self, ends: [&str; 2], first: usize, bytes: Vec<u8>) -> String {
+        let begin = format!("{}.{}", self.name, ends[0]);
+        let alike = self.files.iter().filter(|it| it.0.starts_with(&begin));
+        if let Some((name, _)) = alike.clone().find(|(_, other)| *other == bytes) {
+            return name.clone();
         }
-        let file = format!("{}.mesh{}.ply", self.name, self.files.len());
+        let file = format!("{begin}{}{}", first + alike.count(), ends[1]);
         self.files.push((file.clone(), bytes));
         file
     }

@@ -18,7 +18,7 @@
 //!   medium ends with its shape, and beyond the outermost values both are constant.
 
 use super::export_scene::ExportScene;
-use super::files::{Meshes, vol};
+use super::files::{SharedFiles, vol};
 use super::forms::Form;
 use super::mixture::Mixture;
 use super::nested_media::{ExportSurface, NestedMedium, PlacedGrid, SurfaceKind, key_of};
@@ -86,7 +86,7 @@ pub(super) fn scene(panel: &Panel, scene: &Radiative, name: &str) -> Result<Expo
         name,
         body: String::new(),
         files: Vec::new(),
-        meshes: Meshes {
+        meshes: SharedFiles {
             name,
             files: Vec::new(),
         },
@@ -110,7 +110,7 @@ struct MitsubaWriter<'n> {
     name: &'n str,
     body: String,
     files: Vec<(String, Vec<u8>)>,
-    meshes: Meshes<'n>,
+    meshes: SharedFiles<'n>,
     /// What was changed, for a comment.
     notes: Vec<String>,
     faults: Faults,
@@ -414,7 +414,7 @@ impl MitsubaWriter<'_> {
     }
 
     fn mesh(&mut self, vertices: &[DVec3], faces: &[[usize; 3]]) -> Vec<String> {
-        let file = self.meshes.file(vertices, faces);
+        let file = self.meshes.ply(vertices, faces);
         vec![
             typed("string", "filename", file),
             typed("boolean", "face_normals", true),

@@ -35,7 +35,7 @@
 //! which is in `limits`.
 
 use super::export_scene::ExportScene;
-use super::files::Meshes;
+use super::files::SharedFiles;
 use super::forms::Form;
 use super::limits;
 use super::mixture::Mixture;
@@ -90,7 +90,7 @@ pub(super) fn scene(panel: &Panel, scene: &Radiative, name: &str) -> Result<Expo
     };
     let main = texts[0].1.clone();
     let mut files = Vec::new();
-    let mut meshes = Meshes {
+    let mut meshes = SharedFiles {
         name,
         files: Vec::new(),
     };
@@ -250,7 +250,7 @@ struct PbrtWriter<'m, 'n> {
     text: String,
     channel: usize,
     orders: &'m ScatteringOrders,
-    meshes: &'m mut Meshes<'n>,
+    meshes: &'m mut SharedFiles<'n>,
 }
 
 impl PbrtWriter<'_, '_> {
@@ -542,7 +542,7 @@ impl PbrtWriter<'_, '_> {
                 ));
             }
             Form::Mesh { vertices, faces } => {
-                let file = self.meshes.file(vertices, faces);
+                let file = self.meshes.ply(vertices, faces);
                 self.line(&format!(
                     "    Shape \"plymesh\" \"string filename\" [ \"{file}\" ]"
                 ));

@@ -1,9 +1,9 @@
 //! Surfaces, media and lights in words and numbers.
 
-use super::RawFiles;
 use super::inline_arrays::{Entries, Json, entries};
 use super::shapes::of_shape;
 use super::volume::{grid, interpolation, ray};
+use crate::exchange::files::SharedFiles;
 use crate::exchange::forms;
 use crate::optics::{Density, Field, Light, Material, Phase, Sides};
 use crate::render::Plan;
@@ -11,7 +11,7 @@ use crate::scene::{AreaLight, Body, Object, Panel, Radiative};
 use crate::volume::{NOISE_GRADIENTS, NOISE_PERMUTATION};
 
 /// All that is computed for a picture of `scene`, the model of `panel`; grids and meshes go to `raw`.
-pub(super) fn described(panel: &Panel, scene: &Radiative, raw: &mut RawFiles) -> Entries {
+pub(super) fn described(panel: &Panel, scene: &Radiative, raw: &mut SharedFiles) -> Entries {
     let plan = Plan::new(panel);
     let pixel = match plan.is_sampled() {
         true => ("box", MEAN),
@@ -41,7 +41,7 @@ pub(super) fn described(panel: &Panel, scene: &Radiative, raw: &mut RawFiles) ->
 
 /// The parts of a scene, and the formulas of the kinds that it has.
 struct Parts<'p, 'n> {
-    raw: &'p mut RawFiles<'n>,
+    raw: &'p mut SharedFiles<'n>,
     formulas: Entries,
 }
 

@@ -1,15 +1,15 @@
 //! Several volumes, surfaces and clips in words and numbers.
 
-use super::RawFiles;
 use super::clips::{CLIP, clip};
 use super::inline_arrays::{Entries, Json, entries};
 use super::shapes::{of_mesh, of_shape};
 use super::volume::{SAMPLING, grid_of, light, look, radiance, ray, shading};
+use crate::exchange::files::SharedFiles;
 use crate::exchange::forms;
 use crate::scene::{Classified, Modulation, OpaqueSurface};
 
 /// All that is computed for a picture of `scene`, whose grids go to `raw`.
-pub(super) fn described(scene: &Classified, raw: &mut RawFiles) -> Entries {
+pub(super) fn described(scene: &Classified, raw: &mut SharedFiles) -> Entries {
     let volumes = scene.each_alone().enumerate();
     let volumes = volumes.map(|(index, alone)| {
         let file = raw.grid(&alone.grid);
@@ -53,7 +53,7 @@ fn volume(alone: &Classified, file: String, clips: Vec<usize>, modulation: Optio
     Json::Object(entries)
 }
 
-fn modulated(Modulation { grid, factors }: &Modulation, raw: &mut RawFiles) -> Json {
+fn modulated(Modulation { grid, factors }: &Modulation, raw: &mut SharedFiles) -> Json {
     let points = factors.points().iter();
     let points = points.map(|point| Json::from([point.value, point.opacity]));
     Json::Object(entries! {

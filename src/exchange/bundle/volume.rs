@@ -25,7 +25,7 @@ pub(super) fn described(scene: &Classified, file: String) -> Entries {
         "shows": "volume", "ray": ray(&scene.camera), "grid": grid_of(scene, file),
     };
     entries.extend(look(scene, formula));
-    entries.push(("light", or_null(is_lit.then(|| light(scene.light)))));
+    entries.push(("light", is_lit.then(|| light(scene.light)).into()));
     if !scene.objects.clips.is_empty() {
         let clips = scene.objects.clips.iter().map(clip).collect();
         entries.extend(entries! { "clips": Json::List(clips), "clip": CLIP });
@@ -57,11 +57,6 @@ pub(super) fn look(scene: &Classified, formula: &str) -> Entries {
         "transfer_function": transfer, "gradient": scene.phong.map(|_| GRADIENT),
         "phong": scene.phong.map(shading), "shadow": shadow,
     }
-}
-
-/// The object, or null.
-pub(super) fn or_null(entries: Option<Entries>) -> Json {
-    entries.map_or(().into(), Json::Object)
 }
 
 /// A choice, and its meaning.
