@@ -20,19 +20,8 @@ pub struct RayWork {
 impl RayWork {
     /// Number of all of these.
     pub fn total(self) -> u64 {
-        let RayWork {
-            density_lookups,
-            gradient_lookups,
-            attenuations,
-            emission_terms,
-            shadow_rays,
-            random_draws,
-        } = self;
-        density_lookups
-            + gradient_lookups
-            + attenuations
-            + emission_terms
-            + shadow_rays
-            + random_draws
+        let of_density = self.density_lookups + self.gradient_lookups;
+        let of_samples = self.attenuations + self.emission_terms;
+        of_density + of_samples + self.shadow_rays + self.random_draws
     }
 }

@@ -28,18 +28,10 @@ pub(in crate::render) fn cast(
 
 /// Counts the work of a ray.
 pub(super) fn count(of_ray: RayWork, work: &mut Counters) {
-    let RayWork {
-        density_lookups,
-        gradient_lookups,
-        attenuations,
-        emission_terms,
-        shadow_rays,
-        random_draws,
-    } = of_ray;
-    work.count_times(Event::DensityLookup, density_lookups);
-    work.count_times(Event::GradientLookup, gradient_lookups);
-    work.count_times(Event::Attenuation, attenuations);
-    work.count_times(Event::EmissionTerm, emission_terms);
-    work.count_times(Event::ShadowRay, shadow_rays);
-    work.count_times(Event::RandomDraw, random_draws);
+    work.count_times(Event::DensityLookup, of_ray.density_lookups);
+    work.count_times(Event::GradientLookup, of_ray.gradient_lookups);
+    work.count_times(Event::Attenuation, of_ray.attenuations);
+    work.count_times(Event::EmissionTerm, of_ray.emission_terms);
+    work.count_times(Event::ShadowRay, of_ray.shadow_rays);
+    work.count_times(Event::RandomDraw, of_ray.random_draws);
 }
