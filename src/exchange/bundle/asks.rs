@@ -18,37 +18,23 @@ pub(super) fn asks(scene: &Classified) -> Json {
         is && it.mode.uses_transfer_function()
     };
     let objects = &scene.objects;
+    let shows_mode = scene.mode != Mode::Composited;
     let modulated = (0..volumes.len()).any(|index| scene.modulation_of(index).is_some());
+    let parallel = scene.camera.orthographic_height().is_some();
+    let placed = any(&|it| it.to_world.is_some());
+    let nearest = any(&|it| it.interpolation == Interpolation::Nearest);
+    let formula = any(&is_formula);
+    let shadow = scene.shadow.is_some() || any(&|it| it.shadow.is_some());
     let features = [
-        (mode, scene.mode != Mode::Composited, &*shown_as),
+        (mode, shows_mode, &*shown_as),
         ("several", volumes.len() > 1, &several),
-        (
-            "parallel",
-            scene.camera.orthographic_height().is_some(),
-            "parallel rays",
-        ),
-        (
-            "placed",
-            any(&|it| it.to_world.is_some()),
-            "a volume placed by a matrix",
-        ),
+        ("parallel", parallel, "parallel rays"),
+        ("placed", placed, "a volume placed by a matrix"),
         ("sheared", any(&is_sheared), "a volume that is sheared"),
-        (
-            "nearest",
-            any(&|it| it.interpolation == Interpolation::Nearest),
-            "values of the nearest node",
-        ),
-        (
-            "formula",
-            any(&is_formula),
-            "a transfer function by formulas",
-        ),
+        ("nearest", nearest, "values of the nearest node"),
+        ("formula", formula, "a transfer function by formulas"),
         ("shading", any(&|it| it.phong.is_some()), "shading"),
-        (
-            "shadow",
-            scene.shadow.is_some() || any(&|it| it.shadow.is_some()),
-            "a shadow",
-        ),
+        ("shadow", shadow, "a shadow"),
         ("clips", !objects.clips.is_empty(), "clips"),
         ("surfaces", !objects.surfaces.is_empty(), "surfaces"),
         ("modulation", modulated, "opacities by a second number"),
