@@ -28,10 +28,7 @@ use inline_arrays::{Entries, Json, entries, to_json};
 /// radiative scene. The same scene gives the same bytes. Refused are other conventions than volref's.
 /// The exposure is that of 8-bit images, in stops, where it is known.
 pub(super) fn bundle(scene: &Scene, name: &str, exposure: Option<f64>) -> Result<Export, Refusal> {
-    let mut raw = SharedFiles {
-        name,
-        files: Vec::new(),
-    };
+    let mut raw = SharedFiles::new(name);
     let mut panels = Vec::new();
     let mut first_column = 0;
     for panel in &scene.panels {

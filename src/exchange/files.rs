@@ -30,6 +30,7 @@ fn ply(vertices: &[DVec3], faces: &[[usize; 3]]) -> Vec<u8> {
 }
 
 /// Files beside the main one: equal ones are one.
+#[derive(Default)]
 pub(super) struct SharedFiles<'n> {
     /// The name that all files begin with.
     pub name: &'n str,
@@ -38,6 +39,12 @@ pub(super) struct SharedFiles<'n> {
 }
 
 impl SharedFiles<'_> {
+    /// No files yet, for names that begin with `name`.
+    pub(super) fn new(name: &str) -> SharedFiles<'_> {
+        let files = Vec::new();
+        SharedFiles { name, files }
+    }
+
     /// The file of a mesh.
     pub(super) fn ply(&mut self, vertices: &[DVec3], faces: &[[usize; 3]]) -> String {
         self.file(["mesh", ".ply"], 0, ply(vertices, faces))

@@ -84,14 +84,9 @@ pub(super) fn scene(panel: &Panel, scene: &Radiative, name: &str) -> Result<Expo
     }
     let mut writer = MitsubaWriter {
         name,
-        body: String::new(),
-        files: Vec::new(),
-        meshes: SharedFiles {
-            name,
-            files: Vec::new(),
-        },
-        notes: Vec::new(),
+        meshes: SharedFiles::new(name),
         faults,
+        ..MitsubaWriter::default()
     };
     writer.integrator(panel, scene, &export);
     let by_channel = writer.media(&export);
@@ -106,6 +101,7 @@ pub(super) fn scene(panel: &Panel, scene: &Radiative, name: &str) -> Result<Expo
     writer.finish(panel, by_channel)
 }
 
+#[derive(Default)]
 struct MitsubaWriter<'n> {
     name: &'n str,
     body: String,

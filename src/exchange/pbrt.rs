@@ -90,10 +90,7 @@ pub(super) fn scene(panel: &Panel, scene: &Radiative, name: &str) -> Result<Expo
     };
     let main = texts[0].1.clone();
     let mut files = Vec::new();
-    let mut meshes = SharedFiles {
-        name,
-        files: Vec::new(),
-    };
+    let mut meshes = SharedFiles::new(name);
     for (channel, file) in texts {
         let mut writer = PbrtWriter {
             text: String::new(),
