@@ -31,9 +31,8 @@ impl Classifier {
     /// The classifier of `scene`.
     pub fn of(scene: &Classified) -> Classifier {
         let conventions = &scene.conventions;
-        let table = conventions
-            .table_size
-            .map(|size| LookTable::of(scene, size));
+        let size = conventions.table_size;
+        let table = size.map(|size| LookTable::of(scene, size));
         let table = match conventions.texture_size {
             Some(size) => table.map(|table| table.texture(scene, size)),
             None => table,
@@ -143,22 +142,18 @@ pub struct LookTable {
 impl LookTable {
     /// The table of `scene` with `size` entries, at least two.
     fn of(scene: &Classified, size: u32) -> LookTable {
-        let function = &scene.transfer_function;
+        let (function, conventions) = (&scene.transfer_function, &scene.conventions);
         let [least, most] = function.domain(scene.grid.range().1);
+        let entries = values(least, most, size).map(|value| entry(scene, value));
+        let bits = [conventions.colour_bits, conventions.opacity_bits];
         LookTable {
             least,
             most,
-            entries: values(least, most, size)
-                .map(|value| entry(scene, value))
-                .collect(),
-            nearest: scene.conventions.nearest_entry,
-            is_texture: scene.conventions.texture_place,
-            fraction_bits: scene.conventions.table_fraction_bits,
-            lookup_bits: [
-                scene.conventions.colour_bits,
-                scene.conventions.opacity_bits,
-            ]
-            .map(|bits| bits.and(scene.conventions.lookup_bits)),
+            entries: entries.collect(),
+            nearest: conventions.nearest_entry,
+            is_texture: conventions.texture_place,
+            fraction_bits: conventions.table_fraction_bits,
+            lookup_bits: bits.map(|bits| bits.and(conventions.lookup_bits)),
         }
     }
 
@@ -190,11 +185,8 @@ impl LookTable {
             return self.entries[place.round() as usize];
         }
         let before = (place as usize).min(last - 1);
-        let (a, b, t) = (
-            self.entries[before],
-            self.entries[before + 1],
-            place - before as f64,
-        );
+        let [a, b] = [self.entries[before], self.entries[before + 1]];
+        let t = place - before as f64;
         Look {
             opacity: f64::lerp_between(a.opacity, b.opacity, t),
             colour: DVec3::lerp_between(a.colour, b.colour, t),
