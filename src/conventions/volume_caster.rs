@@ -199,12 +199,8 @@ impl<'s> VolumeCaster<'s> {
             return point;
         };
         // In cells from the centre of the first; beyond the outermost centres nothing changes.
-        let last = self
-            .scene
-            .grid
-            .lattice()
-            .nodes()
-            .map(|nodes| (nodes - 1) as f64);
+        let nodes = self.scene.grid.lattice().nodes();
+        let last = nodes.map(|nodes| (nodes - 1) as f64);
         NodePoint((point.0 * cells - 0.5).clamp(DVec3::ZERO, last.into()))
     }
 

@@ -25,10 +25,8 @@ impl Parameter {
             (Model::Classified(scene), Parameter::ShadowStep) => {
                 scene.edit_volumes(|alone| {
                     let step = value * alone.voxel();
-                    alone
-                        .shadow
-                        .iter_mut()
-                        .for_each(|shadow| shadow.step = step);
+                    let shadow = alone.shadow.iter_mut();
+                    shadow.for_each(|shadow| shadow.step = step);
                     true
                 });
                 scene.check_samples()

@@ -243,11 +243,8 @@ impl Diagnosis {
         }
         for (hypothesis, _) in &found.explaining {
             // Cases after this one try what is known by then.
-            if self
-                .explanations
-                .iter()
-                .all(|it| it.hypothesis != *hypothesis)
-            {
+            let mut known = self.explanations.iter();
+            if known.all(|it| it.hypothesis != *hypothesis) {
                 let mut explanation = Explanation::new(*hypothesis);
                 for other in &failing[..at] {
                     let found = other

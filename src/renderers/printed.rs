@@ -103,10 +103,8 @@ const ERRORS: [&str; 11] = [
 /// The lines of a renderer's output that say why it failed, as the end of a message: the first with an error in it,
 /// for what follows is often a consequence, and the last.
 pub(super) fn quoted_words(printed: &str) -> String {
-    let lines: Vec<&str> = printed
-        .lines()
-        .filter(|line| !line.trim().is_empty())
-        .collect();
+    let lines = printed.lines().filter(|line| !line.trim().is_empty());
+    let lines: Vec<&str> = lines.collect();
     let (before, last) = lines.split_at(lines.len().saturating_sub(LAST_LINES));
     let first = before.iter().find(|line| has_error(line));
     let mut text = String::new();

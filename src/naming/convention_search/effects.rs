@@ -98,10 +98,8 @@ impl Effects {
 
     /// Squared norm of the deviations with `change` besides `set`.
     fn left_with(&self, set: &Combined, change: usize) -> f64 {
-        let others = set
-            .changes
-            .iter()
-            .map(|&other| self.products[change][other]);
+        let others = set.changes.iter();
+        let others = others.map(|&other| self.products[change][other]);
         let along = self.on_deviations[change] + others.sum::<f64>();
         (set.left + 2.0 * along + self.products[change][change]).max(0.0)
     }

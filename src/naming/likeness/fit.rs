@@ -214,10 +214,8 @@ impl<'f> Fitting<'f> {
         if self.case.is_sampled {
             fits = fits.into_iter().map(|fit| self.corrected(fit)).collect();
         }
-        let least = fits
-            .iter()
-            .map(|fit| fit.left.at_most())
-            .fold(f64::INFINITY, f64::min);
+        let most = fits.iter().map(|fit| fit.left.at_most());
+        let least = most.fold(f64::INFINITY, f64::min);
         // Without noise two parameters may well do the same.
         fits.retain(|fit| !self.case.is_sampled || fit.left.at_least() <= least);
         fits
@@ -389,11 +387,8 @@ impl<'f> Fitting<'f> {
             let made = difference(&changes, &fit.changes);
             fit.left = self.case.few.left(&predicted);
             (fit.changes, fit.predicted) = (changes, predicted);
-            if made
-                .iter()
-                .zip(&errors)
-                .all(|(made, error)| made.abs() <= *error)
-            {
+            let mut both = made.iter().zip(&errors);
+            if both.all(|(made, error)| made.abs() <= *error) {
                 let with_step = |(error, made): (&f64, &f64)| {
                     (error * error + CURVED * CURVED * made * made).sqrt()
                 };
@@ -473,11 +468,8 @@ fn update(derivatives: &mut [Vector], steps: &[f64], made: &[f64], (from, to): (
     for (derivative, made) in derivatives.iter().zip(made) {
         missed = difference(&missed, &scaled(derivative, *made));
     }
-    let squares = made
-        .iter()
-        .zip(steps)
-        .map(|(made, step)| (made / step) * (made / step));
-    let length: f64 = squares.sum();
+    let shares = made.iter().zip(steps).map(|(made, step)| made / step);
+    let length: f64 = shares.map(|share| share * share).sum();
     for ((derivative, made), step) in derivatives.iter_mut().zip(made).zip(steps) {
         let share = -made / (step * step) / length;
         *derivative = difference(derivative, &scaled(&missed, share));

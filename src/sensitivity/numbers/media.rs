@@ -33,11 +33,10 @@ fn of_matter(scene: &Radiative, at: Option<usize>) -> Vec<Number> {
             step,
             move |scene, change| match at {
                 Some(at) => edit(scene.media.get_mut(at)?, change),
-                None => scene
-                    .media
-                    .iter_mut()
-                    .map(|body| edit(body, change))
-                    .collect(),
+                None => {
+                    let mut bodies = scene.media.iter_mut();
+                    bodies.try_for_each(|body| edit(body, change))
+                }
             },
         )
     };
