@@ -3,7 +3,6 @@
 use super::bvh::Bvh;
 use super::crossing::{RayFrame, TriangleCrossing};
 use super::hit::RELATIVE_CLEARANCE;
-use super::mesh_file::no_faces;
 use super::{
     Aabb, Crossing, Direction, Emitter, EmitterExtent, Hit, ObjFault, Ray, Surface, SurfacePoint,
     Transform, length_of,
@@ -63,7 +62,7 @@ impl Mesh {
             .iter()
             .copied()
             .reduce(Aabb::union)
-            .ok_or_else(no_faces)?;
+            .ok_or_else(ObjFault::no_faces)?;
         let area = area.value();
         if !(area > 0.0 && area.is_finite()) {
             return Err(ObjFault::in_file(format!(

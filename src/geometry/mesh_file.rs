@@ -8,13 +8,6 @@ use std::collections::HashMap;
 use std::path::Path;
 use tobj::{LoadError, LoadOptions};
 
-/// A mesh without faces.
-pub(super) fn no_faces() -> ObjFault {
-    ObjFault::in_file(
-        "the mesh has no faces: export it as polygons; a file of bare points is a point cloud",
-    )
-}
-
 impl Mesh {
     /// The mesh in an OBJ file: all its objects and groups together, materials, points and lines
     /// ignored, free-form surfaces refused. Vertices at one position are one.
@@ -38,7 +31,7 @@ impl Mesh {
         let read = tobj::load_obj_buf(&mut plain.text.as_slice(), &options, no_materials);
         // Without objects, groups and materials there is one model.
         let (mut models, _) = read.map_err(|error| ObjFault::in_file(error.to_string()))?;
-        let model = models.pop().ok_or_else(no_faces)?.mesh;
+        let model = models.pop().ok_or_else(ObjFault::no_faces)?.mesh;
         let positions: Vec<DVec3> = (model.positions.chunks_exact(3))
             .map(DVec3::from_slice)
             .collect();
@@ -137,7 +130,7 @@ impl PlainObj {
                      put together from several files?"
                 ),
             })?,
-            _ if plain.polygons.is_empty() => Err(no_faces()),
+            _ if plain.polygons.is_empty() => Err(ObjFault::no_faces()),
             _ => Ok(plain),
         }
     }

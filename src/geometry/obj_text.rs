@@ -21,6 +21,13 @@ pub struct ObjFault {
 }
 
 impl ObjFault {
+    /// A mesh without faces.
+    pub(super) fn no_faces() -> ObjFault {
+        ObjFault::in_file(
+            "the mesh has no faces: export it as polygons; a file of bare points is a point cloud",
+        )
+    }
+
     /// A mistake in the file as a whole.
     pub(super) fn in_file(message: impl Into<String>) -> ObjFault {
         ObjFault {

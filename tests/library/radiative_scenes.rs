@@ -700,7 +700,7 @@ fn shapes() {
     12:17: thin.obj: the face in line 6 has no area: its corners [0, 0, 0], [1, 0, 0] and [2, 0, 0] lie on a line; remove it
     12:7: the box is flat: it has no inside, as a medium needs help: give `max` larger coordinates than `min` on every axis; a flat surface is a `rectangle`
     13:10: [radiative.medium[0]] has more than one shape: `sphere`, `box` help: keep at most one of `sphere`, `box`
-    12:1: unknown key `rectangle` in [radiative.medium[0]] help: allowed keys in [radiative.medium[0]]: sphere, box, mesh, scale, rotate, translate, grid, interpolation, noise, exponential, linear, blob, procedural, sigma_a, sigma_s, sigma_t, albedo, emission, g, draine, droplets
+    12:1: unknown key `rectangle` in [radiative.medium[0]] help: allowed keys in [radiative.medium[0]]: sphere, box, mesh, scale, rotate, translate, grid, interpolation, noise, exponential, linear, blob, procedural, g, draine, droplets, sigma_a, sigma_s, sigma_t, albedo, emission
     12:13: a medium without a shape fills all space: `translate` has no effect help: give the medium a `sphere`, `box` or `mesh`, or remove `translate`
     "#);
 }
