@@ -1,7 +1,7 @@
 //! Meshes that enclose a volume.
 
 use super::forward::forward;
-use super::{Aabb, Crossing, Hit, Mesh, MeshError, Ray, Side, Solid, Span, Surface};
+use super::{Aabb, Crossing, Hit, Mesh, ObjFault, Ray, Side, Solid, Span, Surface};
 use crate::math::Sum;
 use std::sync::Arc;
 
@@ -25,14 +25,14 @@ impl ClosedMesh {
     ///
     /// Vertices at the same position count as different unless they have the same number;
     /// [`Mesh::load`] gives them the same number.
-    pub fn new(mesh: impl Into<Arc<Mesh>>) -> Result<ClosedMesh, MeshError> {
+    pub fn new(mesh: impl Into<Arc<Mesh>>) -> Result<ClosedMesh, ObjFault> {
         let mesh = mesh.into();
         check_edges(&mesh)?;
         let volume = volume(&mesh);
         if volume > 0.0 {
             Ok(ClosedMesh(mesh))
         } else {
-            Err(MeshError::Faces(format!(
+            Err(ObjFault::in_file(format!(
                 "the mesh is inside out (it encloses the volume {volume}); reverse the order of the corners of every face"
             )))
         }
@@ -106,11 +106,11 @@ fn edges(mesh: &Mesh) -> Vec<MeshEdge> {
 }
 
 /// Checks that every edge has two faces that agree about their front.
-fn check_edges(mesh: &Mesh) -> Result<(), MeshError> {
+fn check_edges(mesh: &Mesh) -> Result<(), ObjFault> {
     let mut edges = edges(mesh);
     edges.sort_by_key(|edge| (edge.ends, edge.face));
     for sharing in edges.chunk_by(|a, b| a.ends == b.ends) {
-        check(mesh, sharing).map_err(MeshError::Faces)?;
+        check(mesh, sharing).map_err(ObjFault::in_file)?;
     }
     Ok(())
 }

@@ -4,7 +4,7 @@ use super::bvh::Bvh;
 use super::crossing::{RayFrame, TriangleCrossing};
 use super::hit::RELATIVE_CLEARANCE;
 use super::{
-    Aabb, Crossing, Direction, Emitter, EmitterExtent, Hit, MeshError, Ray, Surface, SurfacePoint,
+    Aabb, Crossing, Direction, Emitter, EmitterExtent, Hit, ObjFault, Ray, Surface, SurfacePoint,
     Transform, length_of,
 };
 use crate::math::Sum;
@@ -27,7 +27,7 @@ pub struct Mesh {
 
 impl Mesh {
     /// The mesh of these faces, each three indices into `vertices`, from 0.
-    pub fn new(vertices: Vec<DVec3>, faces: Vec<[usize; 3]>) -> Result<Mesh, MeshError> {
+    pub fn new(vertices: Vec<DVec3>, faces: Vec<[usize; 3]>) -> Result<Mesh, ObjFault> {
         Mesh::of_lines(vertices, faces, Vec::new())
     }
 
@@ -36,7 +36,7 @@ impl Mesh {
         vertices: Vec<DVec3>,
         faces: Vec<[usize; 3]>,
         lines: Vec<usize>,
-    ) -> Result<Mesh, MeshError> {
+    ) -> Result<Mesh, ObjFault> {
         let mut normals = Vec::with_capacity(faces.len());
         let mut areas = Vec::with_capacity(faces.len());
         let mut boxes = Vec::with_capacity(faces.len());
@@ -46,7 +46,7 @@ impl Mesh {
             let corners = corners(&vertices, *face, name)?;
             normals.push(normal(corners).ok_or_else(|| {
                 let ([a, b, c], face) = (corners, name());
-                MeshError::Faces(format!(
+                ObjFault::in_file(format!(
                     "{face} has no area: its corners {a}, {b} and {c} lie on a line; remove it"
                 ))
             })?);
@@ -62,10 +62,10 @@ impl Mesh {
             .iter()
             .copied()
             .reduce(Aabb::union)
-            .ok_or_else(MeshError::empty)?;
+            .ok_or_else(ObjFault::no_faces)?;
         let area = area.value();
         if !(area > 0.0 && area.is_finite()) {
-            return Err(MeshError::Faces(format!(
+            return Err(ObjFault::in_file(format!(
                 "the mesh's area is {area}: its size leaves the range of numbers; choose other units"
             )));
         }
@@ -82,7 +82,7 @@ impl Mesh {
 
     /// The surface of a box, as twelve triangles that face outwards. A flat box is refused, since
     /// it has triangles without area.
-    pub fn cuboid(bounds: &Aabb) -> Result<Mesh, MeshError> {
+    pub fn cuboid(bounds: &Aabb) -> Result<Mesh, ObjFault> {
         let sides = [
             [0, 4, 6, 2],
             [1, 3, 7, 5],
@@ -108,7 +108,7 @@ impl Mesh {
     }
 
     /// The mesh with every vertex transformed. Mirroring preserves the front.
-    pub fn transformed(&self, transform: &Transform) -> Result<Mesh, MeshError> {
+    pub fn transformed(&self, transform: &Transform) -> Result<Mesh, ObjFault> {
         let vertices = self.vertices.iter().map(|&v| transform.point(v)).collect();
         let mut faces = self.faces.clone();
         if transform.mirrors() {
@@ -261,7 +261,7 @@ fn corners(
     vertices: &[DVec3],
     face: [usize; 3],
     name: impl Fn() -> String,
-) -> Result<[DVec3; 3], MeshError> {
+) -> Result<[DVec3; 3], ObjFault> {
     let corner = |vertex: usize| match vertices.get(vertex) {
         Some(corner) if corner.is_finite() => Ok(*corner),
         Some(corner) => Err(format!(
@@ -274,7 +274,7 @@ fn corners(
             vertices.len()
         )),
     };
-    let [a, b, c] = face.map(|vertex| corner(vertex).map_err(MeshError::Faces));
+    let [a, b, c] = face.map(|vertex| corner(vertex).map_err(ObjFault::in_file));
     Ok([a?, b?, c?])
 }
 

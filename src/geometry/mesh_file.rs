@@ -1,15 +1,12 @@
 //! Meshes from Wavefront OBJ files.
 
 use super::polygon::first_of_fan;
-use super::{Mesh, MeshError, ObjFault, Statements, Word};
+use super::{Mesh, ObjFault, Statements, Word};
 use crate::files::regular_file;
 use glam::DVec3;
 use std::collections::HashMap;
 use std::path::Path;
 use tobj::{LoadError, LoadOptions};
-
-/// Largest file read, in bytes: 4 GiB, some hundred million triangles.
-const MOST_BYTES: u64 = 1 << 32;
 
 impl Mesh {
     /// The mesh in an OBJ file: all its objects and groups together, materials, points and lines
@@ -17,24 +14,14 @@ impl Mesh {
     ///
     /// A polygon becomes a fan from its first corner whose fan covers it, as seen along the axis nearest to its
     /// normal. One that no fan covers, or that crosses itself, is refused.
-    pub fn load(path: &Path) -> Result<Mesh, MeshError> {
-        Mesh::load_hashed(path).map(|(mesh, _)| mesh)
-    }
-
-    /// [`load`](Mesh::load), and the BLAKE3 hash of the bytes read.
-    pub fn load_hashed(path: &Path) -> Result<(Mesh, String), MeshError> {
-        let unreadable = |source| MeshError::Unreadable {
-            path: path.to_owned(),
-            source,
-        };
-        let bytes =
-            regular_file::read(path, MOST_BYTES).map_err(|error| unreadable(error.into()))?;
-        let hash = blake3::hash(&bytes).to_hex().to_string();
-        Ok((Mesh::from_obj(&bytes)?, hash))
+    pub fn load(path: &Path) -> Result<Mesh, ObjFault> {
+        let bytes = regular_file::read(path, regular_file::MOST_BYTES);
+        let bytes = bytes.map_err(|error| ObjFault::in_file(format!("cannot be read: {error}")))?;
+        Mesh::from_obj(&bytes)
     }
 
     /// The mesh in the text of an OBJ file, as by [`load`](Mesh::load).
-    pub fn from_obj(text: &[u8]) -> Result<Mesh, MeshError> {
+    pub fn from_obj(text: &[u8]) -> Result<Mesh, ObjFault> {
         let plain = PlainObj::of(text)?;
         let options = LoadOptions {
             single_index: true,
@@ -43,8 +30,8 @@ impl Mesh {
         let no_materials = |_: &Path| Err(LoadError::OpenFileFailed);
         let read = tobj::load_obj_buf(&mut plain.text.as_slice(), &options, no_materials);
         // Without objects, groups and materials there is one model.
-        let (mut models, _) = read.map_err(|error| ObjFault::in_file(&error.to_string()))?;
-        let model = models.pop().ok_or_else(MeshError::empty)?.mesh;
+        let (mut models, _) = read.map_err(|error| ObjFault::in_file(error.to_string()))?;
+        let model = models.pop().ok_or_else(ObjFault::no_faces)?.mesh;
         let positions: Vec<DVec3> = (model.positions.chunks_exact(3))
             .map(DVec3::from_slice)
             .collect();
@@ -89,7 +76,7 @@ struct PlainObj {
 }
 
 impl PlainObj {
-    fn of(text: &[u8]) -> Result<PlainObj, MeshError> {
+    fn of(text: &[u8]) -> Result<PlainObj, ObjFault> {
         let mut plain = PlainObj::default();
         let mut count = 0;
         // Vertices may stand behind the faces that refer to them.
@@ -143,7 +130,7 @@ impl PlainObj {
                      put together from several files?"
                 ),
             })?,
-            _ if plain.polygons.is_empty() => Err(MeshError::empty()),
+            _ if plain.polygons.is_empty() => Err(ObjFault::no_faces()),
             _ => Ok(plain),
         }
     }

@@ -10,7 +10,7 @@
 
 use thiserror::Error;
 
-/// Mistake in an OBJ file, and how to mend it.
+/// Mistake in an OBJ file, or in a mesh, and how to mend it.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 #[error("{}{message}", position.map_or(String::new(), |[line, column]| format!("{line}:{column}: ")))]
 pub struct ObjFault {
@@ -21,11 +21,18 @@ pub struct ObjFault {
 }
 
 impl ObjFault {
+    /// A mesh without faces.
+    pub(super) fn no_faces() -> ObjFault {
+        ObjFault::in_file(
+            "the mesh has no faces: export it as polygons; a file of bare points is a point cloud",
+        )
+    }
+
     /// A mistake in the file as a whole.
-    pub(super) fn in_file(message: &str) -> ObjFault {
+    pub(super) fn in_file(message: impl Into<String>) -> ObjFault {
         ObjFault {
             position: None,
-            message: message.to_owned(),
+            message: message.into(),
         }
     }
 }
@@ -127,7 +134,7 @@ impl<'a> Statements<'a> {
     /// Statements of a file, which must be text.
     pub fn of(bytes: &'a [u8]) -> Result<Statements<'a>, ObjFault> {
         if let Some(name) = other_format(bytes) {
-            return Err(ObjFault::in_file(&format!(
+            return Err(ObjFault::in_file(format!(
                 "this is a file of the format {name}, and only OBJ is read: convert it with a mesh \
                  editor (Blender, MeshLab), or in Python: \
                  trimesh.load(\"FILE\").export(\"mesh.obj\")"

@@ -7,10 +7,9 @@ use super::volume::VolumeRequest;
 use super::{SceneError, SceneResult};
 use crate::files::regular_file;
 use crate::files::regular_file::ReadError;
-use crate::geometry::{ClosedMesh, Mesh, MeshError};
+use crate::geometry::{ClosedMesh, Mesh, ObjFault};
 use crate::volume::{self, FileRead, Grid, Lattice, NodeFormula, VolumeFault};
 use std::collections::BTreeMap;
-use std::io::ErrorKind;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -168,27 +167,39 @@ impl<'p> Files<'p> {
         relative.display().to_string()
     }
 
-    /// The text that a table `{ file }` names, and its name for messages.
-    pub(super) fn text(&mut self, reader: &Reader, name: &str) -> SceneResult<(String, String)> {
+    /// The bytes of the file `name`, which a table names.
+    fn bytes(
+        &mut self,
+        reader: &Reader,
+        name: &str,
+        most: u64,
+    ) -> SceneResult<(Vec<u8>, InputFile)> {
         let path = self.folder.join(name);
-        let bytes = regular_file::read(&path, MOST_TEXT_BYTES).map_err(|error| {
+        let bytes = regular_file::read(&path, most).map_err(|error| {
             let message = match error {
                 ReadError::Missing(_) => format!("there is no file {name}"),
                 _ => format!("{} cannot be read: {error}", path.display()),
             };
             reader.error("file", message)
         })?;
-        self.note(&InputFile {
+        let input = InputFile {
             name: name.to_owned(),
             hash: blake3::hash(&bytes).to_hex().to_string(),
-        });
+        };
+        self.note(&input);
+        Ok((bytes, input))
+    }
+
+    /// The text that a table `{ file }` names, and its name for messages.
+    pub(super) fn text(&mut self, reader: &Reader, name: &str) -> SceneResult<(String, String)> {
+        let (bytes, _) = self.bytes(reader, name, MOST_TEXT_BYTES)?;
         let text = String::from_utf8(bytes).map_err(|error| {
             let offset = error.utf8_error().valid_up_to();
             let message =
                 format!("{name} is not text: byte {offset} does not begin a UTF-8 character");
             reader.error("file", message)
         })?;
-        Ok((path.display().to_string(), text))
+        Ok((self.folder.join(name).display().to_string(), text))
     }
 
     /// The mesh that a table `{ file }` names.
@@ -209,29 +220,16 @@ impl<'p> Files<'p> {
             self.note(&input);
             return Ok(mesh);
         }
-        let (mesh, hash) = Mesh::load_hashed(&self.folder.join(&name))
-            .map_err(|error| bad_mesh(reader, &name, &error))?;
-        let input = InputFile {
-            name: name.clone(),
-            hash,
-        };
-        self.note(&input);
+        let (bytes, input) = self.bytes(reader, &name, regular_file::MOST_BYTES)?;
+        let mesh = Mesh::from_obj(&bytes).map_err(|error| bad_mesh(reader, &name, &error))?;
         let mesh = Arc::new(mesh);
         self.meshes.insert(name, (mesh.clone(), input));
         Ok(mesh)
     }
 }
 
-fn bad_mesh(reader: &Reader, name: &str, error: &MeshError) -> Box<SceneError> {
-    let message = match error {
-        MeshError::Unreadable { source, .. } if source.kind() == ErrorKind::NotFound => {
-            format!("there is no file {name}")
-        }
-        // Names the file itself.
-        MeshError::Unreadable { .. } => error.to_string(),
-        // Begins with line and column.
-        MeshError::Format(fault) if fault.position.is_some() => format!("{name}:{fault}"),
-        _ => format!("{name}: {error}"),
-    };
-    reader.error("file", message)
+fn bad_mesh(reader: &Reader, name: &str, error: &ObjFault) -> Box<SceneError> {
+    // Begins with line and column, if it is in a line.
+    let blank = ["", " "][usize::from(error.position.is_none())];
+    reader.error("file", format!("{name}:{blank}{error}"))
 }

@@ -1,7 +1,7 @@
 //! A value at every node of a lattice.
 
 use super::Lattice;
-use thiserror::Error;
+use crate::geometry::{InvalidParameter, require};
 
 /// Values at the nodes of a [`Lattice`], x fastest: densities as `f32` or `f64`, gradients as
 /// three of them.
@@ -11,37 +11,12 @@ pub struct Grid<T> {
     values: Vec<T>,
 }
 
-/// Reason for refusing the values of a grid.
-#[derive(Clone, Debug, Error, PartialEq)]
-pub enum GridError {
-    /// Not one value per node.
-    #[error("a grid of {nodes} nodes needs as many values, got {values}")]
-    Count {
-        /// Nodes of the lattice.
-        nodes: usize,
-        /// Values given.
-        values: usize,
-    },
-    /// A density that no transfer function is defined for.
-    #[error("voxel ({}, {}, {}) holds {value}: densities must be finite and not negative", node[0], node[1], node[2])]
-    Density {
-        /// The first such node, (i, j, k).
-        node: [usize; 3],
-        /// Its value.
-        value: f64,
-    },
-}
-
 impl<T> Grid<T> {
     /// A grid of the given values, one per node, x fastest.
-    pub fn new(lattice: Lattice, values: Vec<T>) -> Result<Grid<T>, GridError> {
+    pub fn new(lattice: Lattice, values: Vec<T>) -> Result<Grid<T>, InvalidParameter> {
         let (nodes, count) = (lattice.node_count(), values.len());
-        if nodes != count {
-            return Err(GridError::Count {
-                nodes,
-                values: count,
-            });
-        }
+        let message = format_args!("a grid of {nodes} nodes needs as many values, got {count}");
+        require(nodes == count, "values", message)?;
         Ok(Grid { lattice, values })
     }
 
@@ -69,17 +44,18 @@ impl<T: Copy + Into<f64>> Grid<T> {
 
     /// Checks that every value is a density: finite and not negative. Names the first that is
     /// not.
-    pub fn check_densities(&self) -> Result<(), GridError> {
+    pub fn check_densities(&self) -> Result<(), InvalidParameter> {
         let wrong = self.values.iter().position(|&value| {
             let value: f64 = value.into();
             !(value.is_finite() && value >= 0.0)
         });
-        match wrong {
-            None => Ok(()),
-            Some(index) => Err(GridError::Density {
-                node: self.lattice.node(index),
-                value: self.values[index].into(),
-            }),
-        }
+        wrong.map_or(Ok(()), |index| {
+            let [i, j, k] = self.lattice.node(index);
+            let value: f64 = self.values[index].into();
+            let message = format!(
+                "voxel ({i}, {j}, {k}) holds {value}: densities must be finite and not negative"
+            );
+            Err(InvalidParameter::new("values", message))
+        })
     }
 }

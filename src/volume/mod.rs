@@ -50,7 +50,7 @@ pub(crate) use format::Content;
 pub use fractal::{FractalDensity, FractalParameters, MOST_OCTAVES};
 pub(crate) use gradient::{gradient_lengths, placed_gradients};
 pub use gradient::{gradients, relative_gradients};
-pub use grid::{Grid, GridError};
+pub use grid::Grid;
 pub use grid_density::GridDensity;
 pub use interpolation::{Cell, Interpolation, Lerp, Node, Scalar};
 pub use lattice::{Centring, Lattice, NodePoint};

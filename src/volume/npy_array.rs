@@ -120,12 +120,13 @@ fn element(descr: &str) -> Result<(Element, Endian), VolumeFault> {
         true => Endian::Big,
         false => Endian::Little,
     };
-    let kind = descr.strip_prefix(['<', '>', '|']).unwrap_or_default();
-    let found = Element::ALL.iter().find(|(name, element)| {
-        let code = format!("{}{}", &name[..1], element.bytes());
-        // False and True, too.
-        code == kind || (code, kind) == ("u1".to_owned(), "b1")
-    });
+    let kind = match descr.strip_prefix(['<', '>', '|']) {
+        // False and True.
+        Some("b1") => "u1",
+        kind => kind.unwrap_or_default(),
+    };
+    let code = |(name, element): &(&str, Element)| format!("{}{}", &name[..1], element.bytes());
+    let found = Element::ALL.iter().find(|element| code(element) == kind);
     let shown: String = descr.chars().take(20).collect();
     let (_, element) = found.ok_or_else(|| {
         format!("numbers of the type {shown:?}, which are not read: save array.astype(np.float32)")

@@ -72,16 +72,14 @@ impl NrrdHeader {
     fn read(source: &mut VolumeSource) -> Result<NrrdHeader, VolumeFault> {
         let (mut fields, mut header) = (HeaderFields::default(), None);
         read_lines(source, |line, number| {
-            let known = ["NRRD0001", "NRRD0002", "NRRD0003", "NRRD0004", "NRRD0005"];
+            let versions = ["NRRD0001", "NRRD0002", "NRRD0003", "NRRD0004", "NRRD0005"];
             match line {
-                _ if number == 1 => match known.contains(&line.unwrap_or_default()) {
-                    true => return Ok(false),
-                    false => {
-                        return refused(
-                            "the file does not begin with NRRD0001 to NRRD0005: this is not an NRRD file",
-                        );
-                    }
-                },
+                Some(version) if number == 1 && versions.contains(&version) => {}
+                _ if number == 1 => {
+                    return refused(
+                        "the file does not begin with NRRD0001 to NRRD0005: this is not an NRRD file",
+                    );
+                }
                 // A detached header may end with its last field.
                 None if fields.get("data file").is_none() => {
                     return refused(

@@ -3,13 +3,13 @@
 
 use glam::DVec3;
 use proptest::prelude::*;
-use volref::geometry::{ClosedMesh, Emitter, Mesh, MeshError, Ray, Solid, Surface};
+use volref::geometry::{ClosedMesh, Emitter, Mesh, ObjFault, Ray, Solid, Surface};
 
 /// A cube as six squares.
 const CUBE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nv 0 0 1\nv 1 0 1\nv 0 1 1\nv 1 1 1\n\
                     f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n";
 
-fn read(text: impl AsRef<[u8]>) -> Result<Mesh, MeshError> {
+fn read(text: impl AsRef<[u8]>) -> Result<Mesh, ObjFault> {
     Mesh::from_obj(text.as_ref())
 }
 

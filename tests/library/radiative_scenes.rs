@@ -693,14 +693,14 @@ fn shapes() {
     8:15: the box's min [0, 2, 0] must not exceed its max [1, 1, 1] on any axis; swap them where it does
     8:7: the box is a line or a point: no ray can meet it help: give `max` larger coordinates than `min` on two axes or all three
     8:17: there is no file none.obj
-    8:17: cannot read the mesh folder.obj: this is a directory, not a file
+    8:17: folder.obj cannot be read: this is a directory, not a file
     8:17: points.obj: the mesh has no faces: export it as polygons; a file of bare points is a point cloud
     8:17: thin.obj: the face in line 6 has no area: its corners [0, 0, 0], [1, 0, 0] and [2, 0, 0] lie on a line; remove it
     12:17: open.obj: the mesh is open: the edge from [0, 1, 0] to [1, 0, 0] belongs to the face in line 5 only; a medium or glass needs a closed boundary, so fill the hole, or merge vertices by distance where they almost coincide, for instance in Blender or MeshLab
     12:17: thin.obj: the face in line 6 has no area: its corners [0, 0, 0], [1, 0, 0] and [2, 0, 0] lie on a line; remove it
     12:7: the box is flat: it has no inside, as a medium needs help: give `max` larger coordinates than `min` on every axis; a flat surface is a `rectangle`
     13:10: [radiative.medium[0]] has more than one shape: `sphere`, `box` help: keep at most one of `sphere`, `box`
-    12:1: unknown key `rectangle` in [radiative.medium[0]] help: allowed keys in [radiative.medium[0]]: sphere, box, mesh, scale, rotate, translate, grid, interpolation, noise, exponential, linear, blob, procedural, sigma_a, sigma_s, sigma_t, albedo, emission, g, draine, droplets
+    12:1: unknown key `rectangle` in [radiative.medium[0]] help: allowed keys in [radiative.medium[0]]: sphere, box, mesh, scale, rotate, translate, grid, interpolation, noise, exponential, linear, blob, procedural, g, draine, droplets, sigma_a, sigma_s, sigma_t, albedo, emission
     12:13: a medium without a shape fills all space: `translate` has no effect help: give the medium a `sphere`, `box` or `mesh`, or remove `translate`
     "#);
 }

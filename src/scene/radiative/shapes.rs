@@ -2,7 +2,7 @@
 
 use super::shape_transform::{self, ShapeTransform};
 use crate::geometry::{
-    Aabb, Boundary, Emitter, Luminous, Mesh, MeshError, Placed, Rectangle, Shape, Sphere, Surface,
+    Aabb, Boundary, Emitter, Luminous, Mesh, ObjFault, Placed, Rectangle, Shape, Sphere, Surface,
     Transform, length_of,
 };
 use crate::scene::files::Files;
@@ -288,6 +288,6 @@ fn moved(reader: &Reader, rectangle: &Rectangle, to_world: &Transform) -> SceneR
     })
 }
 
-fn in_the_world(reader: &Reader, key: &str, mesh: Result<Mesh, MeshError>) -> SceneResult<Mesh> {
+fn in_the_world(reader: &Reader, key: &str, mesh: Result<Mesh, ObjFault>) -> SceneResult<Mesh> {
     mesh.map_err(|error| reader.error(key, format!("after its transform: {error}")))
 }
