@@ -39,7 +39,7 @@ pub use places::measured;
 pub use precision::recognised;
 pub(crate) use precision::{is_of_precision, precision_in_words};
 pub use promise::Promise;
-pub(crate) use refinement::{Limit, judge_one_step, judge_refinement};
+pub(crate) use refinement::{judge_one_step, judge_refinement};
 pub use sensitivity::Sensitivity;
 pub(crate) use sensitivity::change_in_words;
 
