@@ -23,10 +23,11 @@
 
 use super::advice::Undecided;
 use super::around;
-use super::deterministic::{BIAS, FAR_SHARE, OUTLIERS, Outliers, in_tolerances, tolerance};
+use super::deterministic::{BIAS, FAR_SHARE, OUTLIERS, in_tolerances, tolerance};
 use super::gate::{Description, Gate, MEAN_DIFFERENCES, metrics};
 use super::incomparable;
 use super::judgement::Judgement;
+use super::outliers::Outliers;
 use crate::film::{CHANNELS, Film};
 use crate::math::{Sum, exp2, log2};
 
