@@ -1,9 +1,5 @@
 //! The unit of the difference of two images in a report.
 
-use super::gate::Gate;
-use super::{deterministic, stochastic};
-use crate::film::Film;
-
 /// Unit of the difference of two images.
 #[derive(Clone, Debug, PartialEq)]
 pub enum DifferenceScale {
@@ -18,21 +14,6 @@ pub enum DifferenceScale {
     },
     /// Standard errors of the mean of a block of pixels.
     StandardErrors(BlockMap),
-}
-
-impl DifferenceScale {
-    /// The unit in which `gate` shows the difference of two images of one size.
-    pub(crate) fn of(gate: Gate, golden: &Film, test: &Film) -> DifferenceScale {
-        match gate {
-            Gate::Deterministic | Gate::Refinement => DifferenceScale::Tolerance {
-                absolute: deterministic::ABSOLUTE,
-                relative: deterministic::RELATIVE,
-            },
-            Gate::Stochastic => stochastic::block_map(golden, test)
-                .map_or(DifferenceScale::Radiance, DifferenceScale::StandardErrors),
-            Gate::Exact | Gate::Perceptual => DifferenceScale::Radiance,
-        }
-    }
 }
 
 /// Deviations of blocks of 8 × 8 pixels, for a map.

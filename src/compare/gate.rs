@@ -1,10 +1,10 @@
 //! The gates: rules for judging images.
 //!
-//! A new gate is a file with its [`Description`], a variant of [`Gate`] and an arm of [`judge`](super::judge).
+//! A new gate is a file with its [`Description`], a variant of [`Gate`], and arms in [`Gate::description`] and
+//! [`judge`](super::judge).
 
 use super::promise::Promise;
 use super::sensitivity::Sensitivity;
-use super::{deterministic, exact, perceptual, refinement, stochastic};
 use serde::{Deserialize, Serialize};
 
 /// Name and meaning of a metric.
@@ -37,24 +37,6 @@ pub struct Description {
     pub metrics: &'static [(&'static str, &'static str)],
     /// The pairs of images for which it is the default, in words after "for"; `None` for a gate that has to be named.
     pub default_for: Option<&'static str>,
-}
-
-impl Gate {
-    /// Its description.
-    pub fn description(self) -> &'static Description {
-        match self {
-            Gate::Exact => &exact::DESCRIPTION,
-            Gate::Deterministic => &deterministic::DESCRIPTION,
-            Gate::Perceptual => &perceptual::DESCRIPTION,
-            Gate::Stochastic => &stochastic::DESCRIPTION,
-            Gate::Refinement => &refinement::DESCRIPTION,
-        }
-    }
-
-    /// Its name.
-    pub fn name(self) -> &'static str {
-        self.description().name
-    }
 }
 
 /// Metrics by name and meaning, or as they stand elsewhere.

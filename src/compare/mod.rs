@@ -15,6 +15,7 @@ mod incomparable;
 mod judgement;
 mod margin;
 pub(crate) mod opacity;
+mod outliers;
 pub mod perceptual;
 mod picture;
 mod places;
@@ -39,7 +40,7 @@ pub use places::measured;
 pub use precision::recognised;
 pub(crate) use precision::{is_of_precision, precision_in_words};
 pub use promise::Promise;
-pub(crate) use refinement::{Limit, judge_one_step, judge_refinement};
+pub(crate) use refinement::{judge_one_step, judge_refinement};
 pub use sensitivity::Sensitivity;
 pub(crate) use sensitivity::change_in_words;
 
@@ -48,6 +49,39 @@ use depth::OUTLIERS_OF_DEPTH;
 pub(crate) use incomparable::NON_FINITE;
 use incomparable::{REFERENCE, TEST};
 use precision::CUT_OFF;
+
+impl Gate {
+    /// Its description.
+    pub fn description(self) -> &'static Description {
+        match self {
+            Gate::Exact => &exact::DESCRIPTION,
+            Gate::Deterministic => &deterministic::DESCRIPTION,
+            Gate::Perceptual => &perceptual::DESCRIPTION,
+            Gate::Stochastic => &stochastic::DESCRIPTION,
+            Gate::Refinement => &refinement::DESCRIPTION,
+        }
+    }
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        self.description().name
+    }
+}
+
+impl DifferenceScale {
+    /// The unit in which `gate` shows the difference of two images of one size.
+    pub(crate) fn of(gate: Gate, golden: &Film, test: &Film) -> DifferenceScale {
+        match gate {
+            Gate::Deterministic | Gate::Refinement => DifferenceScale::Tolerance {
+                absolute: deterministic::ABSOLUTE,
+                relative: deterministic::RELATIVE,
+            },
+            Gate::Stochastic => stochastic::block_map(golden, test)
+                .map_or(DifferenceScale::Radiance, DifferenceScale::StandardErrors),
+            Gate::Exact | Gate::Perceptual => DifferenceScale::Radiance,
+        }
+    }
+}
 
 /// Every gate for a pair of images.
 pub const GATES: [Gate; 4] = [

@@ -4,7 +4,7 @@
 //! Such a channel says nothing of the volume: it is compared only where [a case asks for
 //! opacity](super::Conditions::opacity).
 
-use super::deterministic::Outliers;
+use super::outliers::Outliers;
 use crate::film::Film;
 use crate::math::Sum;
 

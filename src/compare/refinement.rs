@@ -23,10 +23,11 @@
 
 use super::advice::Undecided;
 use super::around;
-use super::deterministic::{BIAS, FAR_SHARE, OUTLIERS, Outliers, in_tolerances, tolerance};
+use super::deterministic::{BIAS, FAR_SHARE, OUTLIERS, in_tolerances, tolerance};
 use super::gate::{Description, Gate, MEAN_DIFFERENCES, metrics};
 use super::incomparable;
 use super::judgement::Judgement;
+use super::outliers::Outliers;
 use crate::film::{CHANNELS, Film};
 use crate::math::{Sum, exp2, log2};
 
@@ -93,27 +94,19 @@ pub(super) const DESCRIPTION: Description = Description {
     default_for: None,
 };
 
-/// A picture without steps.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Limit<'f> {
-    /// The picture.
-    pub golden: &'f Film,
-    /// The image from values that are off as much as by look-up in a table, up and down.
-    pub looked_up: &'f [Film],
-}
-
 /// Judges `images`, with steps h, h/2, h/4 and so on, by the limit of the last three and by
-/// `first_order`: images that rules of first order give at the smallest step.
+/// `first_order`: images that rules of first order give at the smallest step. The golden has no steps; `looked_up` are
+/// its images from values that are off as much as by look-up in a table, up and down.
 ///
 /// # Panics
 ///
 /// With fewer than three images.
 pub(crate) fn judge_refinement(
-    truth: Limit<'_>,
+    golden: &Film,
+    looked_up: &[Film],
     first_order: &dyn Fn() -> Vec<Film>,
     images: &[Film],
 ) -> Judgement {
-    let golden = truth.golden;
     let [.., coarse, middle, fine] = images else {
         panic!("a sequence has three images");
     };
@@ -188,7 +181,7 @@ pub(crate) fn judge_refinement(
         mean_of: &limit,
         step_errors,
         mean_errors,
-        table: LargestErrors::of(golden, truth.looked_up),
+        table: LargestErrors::of(golden, looked_up),
     };
     judged.judgement(metrics, &steps)
 }
@@ -283,8 +276,12 @@ fn distances(a: &Film, b: &Film, factor: f64) -> Vec<[f64; 3]> {
 }
 
 /// Judges one image by `first_order`: images that rules of first order give at the same step.
-pub(crate) fn judge_one_step(truth: Limit<'_>, first_order: &[Film], image: &Film) -> Judgement {
-    let golden = truth.golden;
+pub(crate) fn judge_one_step(
+    golden: &Film,
+    looked_up: &[Film],
+    first_order: &[Film],
+    image: &Film,
+) -> Judgement {
     let others = first_order.iter().chain([image]);
     for other in others {
         if let Some(difference) = incomparable::films(Gate::Refinement, golden, other) {
@@ -304,7 +301,7 @@ pub(crate) fn judge_one_step(truth: Limit<'_>, first_order: &[Film], image: &Fil
         mean_of: image,
         step_errors: largest_around(golden, &by_rules.pixels),
         mean_errors: by_rules.means,
-        table: LargestErrors::of(golden, truth.looked_up),
+        table: LargestErrors::of(golden, looked_up),
     };
     judged.judgement(vec![("error_at_step", error)], &steps)
 }
@@ -567,20 +564,13 @@ mod tests {
         0.2 + 0.5 * exp(-x) / (c + 1) as f64
     }
 
-    fn without_table(golden: &Film) -> Limit<'_> {
-        Limit {
-            golden,
-            looked_up: &[],
-        }
-    }
-
     /// Images of a rule whose error at step h is `error(x, h)`, relative, judged.
     fn sequence(error: impl Fn(f64, f64) -> f64) -> Judgement {
         let images: Vec<Film> = [1.0, 0.5, 0.25]
             .iter()
             .map(|&h| film(|x, c| truth(x, c) * (1.0 + error(x, h))))
             .collect();
-        judge_refinement(without_table(&film(truth)), &Vec::new, &images)
+        judge_refinement(&film(truth), &[], &Vec::new, &images)
     }
 
     #[test]
@@ -640,13 +630,8 @@ mod tests {
     fn one_image_is_judged_by_first_order() {
         let golden = film(truth);
         let rules = [0.98, 1.02].map(|factor| film(|x, c| factor * truth(x, c)));
-        let with = |factor: f64| {
-            judge_one_step(
-                without_table(&golden),
-                &rules,
-                &film(|x, c| factor * truth(x, c)),
-            )
-        };
+        let with =
+            |factor: f64| judge_one_step(&golden, &[], &rules, &film(|x, c| factor * truth(x, c)));
         for factor in [0.985, 1.0, 1.018] {
             let judgement = with(factor);
             assert!(judgement.passed, "{factor}: {}", judgement.reason);

@@ -121,16 +121,30 @@ fn check_window(name: &[u8], value: &[u8]) -> Result<(), FilmError> {
     ))
 }
 
-/// Fails if a block of pixels of any part and resolution is missing. Nothing is decompressed.
+/// Fails if a block of pixels of any part and resolution is missing, or if the offset table points
+/// to a block of another resolution. Nothing is decompressed.
 pub(super) fn check_blocks(bytes: &[u8]) -> Result<(), FilmError> {
+    // Two walks: the reader gives blocks without the entry of the table that led to them, so that
+    // entries exchanged between two resolutions show only where those of the largest, the only ones
+    // that the decoder follows, are followed by themselves.
+    check_blocks_of(bytes, &|_| true)?;
+    check_blocks_of(bytes, &|tile| tile.level_index == Vec2(0, 0))
+}
+
+/// As [`check_blocks`], for the blocks with the indices `wanted`.
+fn check_blocks_of(
+    bytes: &[u8],
+    wanted: &dyn Fn(&TileCoordinates) -> bool,
+) -> Result<(), FilmError> {
     // The table of blocks is in the file, so that it bounds how many there can be.
     let mut blocks = exr::block::read(Cursor::new(bytes), false)
-        .and_then(|reader| reader.filter_chunks(false, |_, _, _| true))
+        .and_then(|reader| reader.filter_chunks(false, |_, tile, _| wanted(&tile)))
         .map_err(unreadable)?;
     let mut missing = HashSet::new();
     for (part, header) in blocks.headers().iter().enumerate() {
         let tiles = header.blocks_increasing_y_order();
-        missing.extend(tiles.map(|tile| (part, tile.location)));
+        let tiles = tiles.map(|tile| tile.location).filter(wanted);
+        missing.extend(tiles.map(|tile| (part, tile)));
     }
     let expected = missing.len();
     while let Some(block) = blocks.read_next_chunk() {

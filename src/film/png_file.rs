@@ -135,6 +135,11 @@ fn check_meaning(info: &png::Info) -> Result<(), FilmError> {
             "write a single image",
         ));
     }
+    let palette = info.palette.as_deref().unwrap_or_default().len();
+    if !palette.is_multiple_of(3) {
+        let reason = format!("its palette has {palette} bytes, and colours have three each");
+        return Err(broken(reason));
+    }
     // Rounding to whole pixels a unit is allowed.
     if let Some(size) = info.pixel_dims
         && u64::from(size.xppu.abs_diff(size.yppu)) * 1000 > size.xppu.max(size.yppu).into()

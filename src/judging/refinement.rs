@@ -3,7 +3,7 @@
 use super::finding::CheckedGolden;
 use super::random_samples;
 use crate::compare::{
-    self as gate, Conditions, Gate, Judgement, Limit, Picture, judge_one_step, judge_refinement,
+    self as gate, Conditions, Gate, Judgement, Picture, judge_one_step, judge_refinement,
 };
 use crate::film::Film;
 use crate::render::{plans, render};
@@ -33,7 +33,7 @@ pub fn judge(checked: &CheckedGolden, images: &[Film]) -> Judgement {
     let looked_up = looked_up(&checked.scene);
     let by_rules = || first_order(&checked.scene.with_halved_steps(rest.len()));
     let finest = &images[rest.len()];
-    judge_refinement(truth(checked, &looked_up), &by_rules, images)
+    judge_refinement(&checked.golden.film, &looked_up, &by_rules, images)
         .with_precision_of(&checked.golden.film, finest)
         .with_changes_of(IMAGE, first)
 }
@@ -81,20 +81,12 @@ pub fn judge_under_profile(
     judgement
 }
 
-/// The integral that images are judged by.
-fn truth<'f>(checked: &'f CheckedGolden, looked_up: &'f [Film]) -> Limit<'f> {
-    Limit {
-        golden: &checked.golden.film,
-        looked_up,
-    }
-}
-
 /// Judges an image with the step of the scene.
 pub fn judge_one(checked: &CheckedGolden, image: &Film) -> Judgement {
     let looked_up = looked_up(&checked.scene);
     let mut by_rules = first_order(&checked.scene);
     by_rules.extend(between_the_ends(&checked.scene));
-    judge_one_step(truth(checked, &looked_up), &by_rules, image)
+    judge_one_step(&checked.golden.film, &looked_up, &by_rules, image)
         .with_precision_of(&checked.golden.film, image)
         .with_changes_of(IMAGE, image)
 }

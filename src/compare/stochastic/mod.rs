@@ -99,8 +99,7 @@
 //! # Order of reasons
 //!
 //! A mean that is off, of the image or of blocks, before what follows from it. That neighbours are
-//! off together is not said where the image is off on the whole. Else it is said of what looks like
-//! a filter, and of a bias only where no block alone shows it.
+//! off together is not said where the image is off on the whole.
 //!
 //! # Limits
 //!
@@ -290,7 +289,6 @@ fn judgement(
     if faults.is_empty() {
         faults.extend(judge_scales(comparison, level));
     }
-    let is_biased = !faults.is_empty();
     let numbers = judge_numbers(comparison, sensitivities, level, &mut metrics);
     faults.extend(numbers.fault);
     let pixels = PixelDifferences::new(comparison);
@@ -308,7 +306,7 @@ fn judgement(
     let amount = judge_amount(comparison, level, &mut metrics).filter(|_| copied.is_none());
     faults.extend(copied);
     faults.extend(amount);
-    let together = judge_neighbours(comparison, level, is_biased, &mut metrics);
+    let together = judge_neighbours(comparison, level, &mut metrics);
     // That neighbours are off together where whole regions are goes without saying, too.
     faults.extend(together.filter(|_| !is_off));
 

@@ -185,16 +185,10 @@ fn axes(comparison: &Comparison<'_>, unit: Unit) -> [NeighbourAxis; 2] {
     axes
 }
 
-/// Correlation of neighbours in flat blocks, from which it is that of a filter. The mean of 2 × 2 pixels has a half,
-/// wider filters more. A bias has it in the few blocks in which it is; where it is in most, the image is off on the whole.
-const SMOOTH: f64 = 0.25;
-
-/// Reason for a correlation: a filter leaves no pixel its own noise, and a bias does, whose neighbours agree only because
-/// the region they lie in is off. Nothing is said of one that is known to be there (`is_biased`).
+/// Reason for a correlation: a filter leaves no pixel its own noise, and in a region that is off neighbours agree, too.
 pub(super) fn judge_neighbours(
     comparison: &Comparison<'_>,
     level: f64,
-    is_biased: bool,
     metrics: &mut Metrics,
 ) -> Option<String> {
     let [noise, spread] = [Unit::Noise, Unit::Spread].map(|unit| axes(comparison, unit));
@@ -203,25 +197,14 @@ pub(super) fn judge_neighbours(
     metrics.push(("correlation_down", down));
     let by_noise = noise.map(|axis| axis.probability(0.0));
     let by_spread = spread.map(|axis| axis.probability(CORRELATED));
-    if holm(&[by_noise, by_spread].concat(), level) == 0 {
-        return None;
-    }
-    let flat = spread.map(|axis| axis.correlation());
-    let found = format!(
-        "differences of neighbouring pixels are correlated ({:.2} across, {:.2} down; independent samples: 0)",
-        across.max(flat[0]),
-        down.max(flat[1])
-    );
-    if flat[0].max(flat[1]) > SMOOTH {
-        return Some(format!(
-            "{found}: too smooth for noise; possible causes: denoising, smoothing, a filter wider \
-             than a pixel, random numbers shared by pixels"
-        ));
-    }
-    (!is_biased).then(|| {
+    (holm(&[by_noise, by_spread].concat(), level) > 0).then(|| {
+        let [of_flat, down_flat] = spread.map(|axis| axis.correlation());
         format!(
-            "{found}, and no block differs beyond noise: regions too bright or too dark, displaced \
-             edges, or noise that a denoiser spread over regions"
+            "differences of neighbouring pixels are correlated ({:.2} across, {:.2} down; independent samples: 0): too \
+             smooth for noise; possible causes: denoising, smoothing, a filter wider than a pixel, random numbers shared \
+             by pixels, or regions that are too bright, too dark or displaced",
+            across.max(of_flat),
+            down.max(down_flat)
         )
     })
 }
