@@ -155,17 +155,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     for note in &result.notes {
         text.push_str(&format!("note: {note}\n"));
     }
-    if !result.metrics.is_empty() {
-        text.push('\n');
-    }
-    let widest = report::widest(result.metrics.keys());
-    for (name, value) in &result.metrics {
-        let value = match value.abs() {
-            size if size != 0.0 && !(1e-6..1e9).contains(&size) => format!("{value:e}"),
-            _ => value.to_string(),
-        };
-        text.push_str(&format!("  {name:<widest$}  {value}\n"));
-    }
+    text.push_str(&metrics(&result));
     text.push_str(note);
     let exit = result.cause.into();
     let json = report::results_json("compare", std::slice::from_ref(&result));
@@ -218,6 +208,23 @@ impl Arguments {
             (None, test) => test,
         })
     }
+}
+
+/// A line for each metric.
+fn metrics(result: &CaseResult) -> String {
+    let mut text = String::new();
+    if !result.metrics.is_empty() {
+        text.push('\n');
+    }
+    let widest = report::widest(result.metrics.keys());
+    for (name, value) in &result.metrics {
+        let value = match value.abs() {
+            size if size != 0.0 && !(1e-6..1e9).contains(&size) => format!("{value:e}"),
+            _ => value.to_string(),
+        };
+        text.push_str(&format!("  {name:<widest$}  {value}\n"));
+    }
+    text
 }
 
 /// The perceived difference of two images of one size as PNG.

@@ -14,8 +14,8 @@ use crate::report::{GalleryAbout, GalleryRenderer, GalleryRow, gallery_html, gal
 use crate::suite::{Case, Golden, Outputs, Store, Suite};
 use rayon::prelude::*;
 use serde::Deserialize;
-use serde::de::DeserializeOwned;
 use std::collections::BTreeMap;
+use std::fmt::Display;
 use std::path::{Path, PathBuf};
 
 /// Layout of a folder, for `--help`.
@@ -130,34 +130,27 @@ fn row(case: &Case, store: &Store, runs: &[RendererRun]) -> (GalleryRow, String)
 impl RendererRun {
     fn read(folder: &Path, suite: &Suite, page: &Path) -> Result<RendererRun, Failure> {
         let file = folder.join(RESULTS);
+        let refused = |what: String, help| {
+            let message = format!("{}: {what}", file.display());
+            Err(Failure::new(Exit::BadInput, message, Some(help)))
+        };
         if !file.exists() {
-            let message = format!("there is no {}", file.display());
             let help = "let `volref validate` write it: --json=DIR/results.json, with --keep DIR or --outputs DIR";
-            return Err(Failure::new(Exit::BadInput, message, Some(help)));
+            return refused("there is no such file".to_owned(), help);
         }
-        let results: Results = read(&file, |text| {
-            serde_json::from_str(text).map_err(|error| error.to_string())
-        })?;
+        let results: Results = read(&file, |text| serde_json::from_str(text))?;
         if results.schema != SCHEMA {
-            let message = format!("{}: its schema is {:?}", file.display(), results.schema);
-            let help = "a gallery is made of results of `volref validate`";
-            return Err(Failure::new(Exit::BadInput, message, Some(help)));
+            let what = format!("its schema is {:?}", results.schema);
+            return refused(what, "a gallery is made of results of `volref validate`");
         }
         let names: Vec<&str> = suite.cases().iter().map(|case| &*case.name).collect();
         if let Some(unknown) = results.cases.iter().find(|of| !names.contains(&&*of.name)) {
-            let message = format!(
-                "{}: the suite has no case {:?}",
-                file.display(),
-                unknown.name
-            );
-            let help = "name the suite by which it was judged: --suite DIR";
-            return Err(Failure::new(Exit::BadInput, message, Some(help)));
+            let what = format!("the suite has no case {:?}", unknown.name);
+            return refused(what, "name the suite by which it was judged: --suite DIR");
         }
         let about_file = folder.join(ABOUT);
         let mut about: GalleryAbout = match about_file.exists() {
-            true => read(&about_file, |text| {
-                toml::from_str(text).map_err(|error| error.to_string())
-            })?,
+            true => read(&about_file, |text| toml::from_str(text))?,
             false => GalleryAbout::default(),
         };
         let outputs = Outputs::list(folder, &names).map_err(bad_input)?;
@@ -166,10 +159,11 @@ impl RendererRun {
         let own_name = absolute.file_name().unwrap_or(absolute.as_os_str());
         let in_file = |error| bad_input(format!("{}: {error}", file.display()));
         let known_file = folder.join(KNOWN);
+        let shown = known_file.display().to_string();
         let known = match known_file.exists() {
             true => Some(KnownFailures::parse(
                 &text_of(&known_file)?,
-                &known_file.display().to_string(),
+                &shown,
                 suite,
                 false,
             )?),
@@ -301,10 +295,7 @@ const SCHEMA: &str = "volref/validate/1";
 const MOST_BYTES: u64 = 1 << 26;
 
 /// The value that `parse` makes of the text of a file.
-fn read<T: DeserializeOwned>(
-    file: &Path,
-    parse: impl Fn(&str) -> Result<T, String>,
-) -> Result<T, Failure> {
+fn read<T, E: Display>(file: &Path, parse: impl Fn(&str) -> Result<T, E>) -> Result<T, Failure> {
     let text = text_of(file)?;
     parse(&text).map_err(|error| bad_input(format!("{}: {error}", file.display())))
 }

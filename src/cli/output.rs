@@ -5,7 +5,7 @@ use super::failure::{Exit, Failure, bad_input, drawn};
 use crate::files::atomic_file::{directory_of, file_behind, remedy, write_atomically};
 use crate::files::golden_mark;
 use crate::files::own_file;
-use crate::files::regular_file::{Identity, is_input, note_input};
+use crate::files::regular_file::{is_input, note_input};
 use crate::files::visible::{visible, visible_json};
 use crate::judging::Verdict;
 use anstream::{AutoStream, ColorChoice};
@@ -315,17 +315,11 @@ pub fn check(outputs: &[Option<&Path>], inputs: &[&Path]) -> Result<(), Failure>
     Ok(())
 }
 
-/// Identity of an output: that of its file or, before the file exists, that of its folder with its
-/// name. Streams have none, since they cannot be overwritten.
-fn target(path: &Path) -> Option<(Identity, Option<OsString>)> {
+/// The file of an output, without links. Streams have none, since they cannot be overwritten.
+fn target(path: &Path) -> Option<PathBuf> {
     let file = file_behind(path)?;
-    match Identity::of(&file) {
-        Some(identity) => Some((identity, None)),
-        None => {
-            let folder = Identity::of(directory_of(&file))?;
-            Some((folder, file.file_name().map(OsString::from)))
-        }
-    }
+    let folder = directory_of(&file).canonicalize().ok()?;
+    Some(folder.join(file.file_name()?))
 }
 
 /// Fails if the file at `path` is an input of this command, under any name.

@@ -111,17 +111,8 @@ pub fn run(mut arguments: Arguments) -> Result<Outcome, Failure> {
     };
     let seconds = start.elapsed().as_secs_f64();
 
-    let bytes = match format {
-        FilmFormat::Png => film.to_png(exposure),
-        FilmFormat::Npy => film.to_npy(),
-        FilmFormat::Exr | FilmFormat::Pfm => film.to_exr().map_err(bad_input)?,
-    };
-    output::write(&arguments.output, &bytes)?;
+    arguments.write(&film, (format, exposure), depth_file.as_deref())?;
     arguments.picture.save(&scene_text)?;
-    if let (Some(file), Some(bytes)) = (&depth_file, film.depth_to_npy()) {
-        output::write(file, &bytes)?;
-    }
-
     let mut text = format!(
         "{}: {} × {} pixels in {seconds:.2} s\n",
         arguments.output.display(),
@@ -138,11 +129,8 @@ pub fn run(mut arguments: Arguments) -> Result<Outcome, Failure> {
     let mut notes = range_notes(&plans);
     notes.extend(brightness_note(&film, (format, exposure), &plans));
     notes.extend(warnings.iter().map(ToString::to_string));
-    if !is_sampled && (arguments.spp.is_some() || arguments.seed.is_some()) {
-        let words =
-            "this scene is rendered without random numbers; --spp and --seed have no effect";
-        notes.push(words.to_owned());
-    }
+    let asks = arguments.spp.is_some() || arguments.seed.is_some();
+    notes.extend((asks && !is_sampled).then(|| NOT_SAMPLED.to_owned()));
     for note in notes {
         text.push_str(&format!("note: {note}\n"));
     }
@@ -163,6 +151,9 @@ pub fn run(mut arguments: Arguments) -> Result<Outcome, Failure> {
     arguments.json.instead_of(text, &value).map(Outcome::from)
 }
 
+const NOT_SAMPLED: &str =
+    "this scene is rendered without random numbers; --spp and --seed have no effect";
+
 impl Arguments {
     /// The file of depths beside an image of this `format`, where it has one.
     fn depth_file(&self, format: FilmFormat) -> Result<Option<PathBuf>, Failure> {
@@ -175,6 +166,25 @@ impl Arguments {
                     "write .exr, with depth as its channel Z, or .npy, with depth in a second file";
                 Err(Failure::new(Exit::BadInput, message, Some(help)))
             }
+        }
+    }
+
+    /// Writes the image, and the file of its depths where it has one.
+    fn write(
+        &self,
+        film: &Film,
+        (format, exposure): (FilmFormat, f64),
+        depth_file: Option<&Path>,
+    ) -> Result<(), Failure> {
+        let bytes = match format {
+            FilmFormat::Png => film.to_png(exposure),
+            FilmFormat::Npy => film.to_npy(),
+            FilmFormat::Exr | FilmFormat::Pfm => film.to_exr().map_err(bad_input)?,
+        };
+        output::write(&self.output, &bytes)?;
+        match (depth_file, film.depth_to_npy()) {
+            (Some(file), Some(bytes)) => output::write(file, &bytes),
+            _ => Ok(()),
         }
     }
 

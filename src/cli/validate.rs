@@ -15,8 +15,8 @@ use crate::cost::timing::Machine;
 use crate::files::regular_file::note_input;
 use crate::film::{Alpha, Bits, FilmFormat};
 use crate::judging::{
-    CaseResult, Evidence, Judged, JudgedWith, MoreSamples, add_right_declaration,
-    before_background, declared, is_open, validate_at,
+    CaseResult, Judged, JudgedWith, MoreSamples, add_right_declaration, before_background,
+    declared, is_open, validate_at,
 };
 use crate::renderers::{ImageSource, OtherRenderer, Rendered, in_order, stop_all};
 use crate::report;
@@ -211,11 +211,6 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         })?;
     arguments.measure(&judged, &said)?;
     let origin = judge.origin(&judged);
-    if !arguments.files.wants_evidence() {
-        for judged in &mut judged {
-            judged.evidence = Evidence::default();
-        }
-    }
     let findings = Findings {
         command: "validate",
         judged,

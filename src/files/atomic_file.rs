@@ -40,8 +40,8 @@ pub struct WriteError {
 /// directories are an error, not created.
 pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
     match destination(path).map_err(failed("look at", path, KEPT))? {
-        Destination::Stream => write_to_stream(path, bytes).map_err(failed("write to", path, "")),
-        Destination::File(target) => replace(path, &target, bytes),
+        None => write_to_stream(path, bytes).map_err(failed("write to", path, "")),
+        Some(target) => replace(path, &target, bytes),
     }
 }
 
@@ -93,28 +93,19 @@ fn failed(
     }
 }
 
-/// Destination of the bytes for a path.
-enum Destination {
-    /// A regular file, existing or not, with symbolic links followed.
-    File(PathBuf),
-    /// Something that must be written through, not replaced.
-    Stream,
-}
-
 /// The regular file, existing or not, that [`write_atomically`] would write for `path`; nothing
 /// for a stream.
 pub(crate) fn file_behind(path: &Path) -> Option<PathBuf> {
-    match destination(path) {
-        Ok(Destination::File(target)) => Some(target),
-        _ => None,
-    }
+    destination(path).ok().flatten()
 }
 
-/// Follows symbolic links by hand: `canonicalize` would refuse a link to a file that does not
+/// The file that is written for `path`, with symbolic links followed; nothing for a stream, which is written through.
+///
+/// Links are followed by hand: `canonicalize` would refuse a link to a file that does not
 /// exist yet, and would lead from `/dev/stdout` to the file the shell redirected it to.
-fn destination(path: &Path) -> io::Result<Destination> {
+fn destination(path: &Path) -> io::Result<Option<PathBuf>> {
     match fs::metadata(path) {
-        Ok(metadata) if !metadata.is_file() => return Ok(Destination::Stream),
+        Ok(metadata) if !metadata.is_file() => return Ok(None),
         Err(error) if error.kind() != ErrorKind::NotFound => return Err(error),
         _ => {}
     }
@@ -124,10 +115,10 @@ fn destination(path: &Path) -> io::Result<Destination> {
         // An open descriptor under the name of a file. To replace that file would cut off
         // whoever else holds the descriptor.
         if target.starts_with("/proc") || target.starts_with("/dev/fd") {
-            return Ok(Destination::Stream);
+            return Ok(None);
         }
         if !fs::symlink_metadata(&target).is_ok_and(|metadata: Metadata| metadata.is_symlink()) {
-            return Ok(Destination::File(target));
+            return Ok(Some(target));
         }
         target = directory_of(&target).join(fs::read_link(&target)?);
     }

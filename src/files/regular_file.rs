@@ -140,38 +140,33 @@ fn read_from((file, length): (File, u64), most: u64) -> Result<Vec<u8>, ReadErro
 }
 
 /// Identity of a file, the same by all names and links.
-#[derive(Clone, Debug, PartialEq, Eq, Hash)]
-pub struct Identity(FileNumber);
-
 #[cfg(unix)]
-type FileNumber = (u64, u64);
+type Identity = (u64, u64);
 /// On other systems the path without links: hard links count as two files.
 #[cfg(not(unix))]
-type FileNumber = std::path::PathBuf;
+type Identity = std::path::PathBuf;
 
-impl Identity {
-    /// Identity of the file or folder at `path`, if there is one.
-    pub fn of(path: &Path) -> Option<Identity> {
-        Identity::with(path, &std::fs::metadata(path).ok()?)
-    }
+#[cfg(unix)]
+fn identity(_: &Path, metadata: &Metadata) -> Option<Identity> {
+    use std::os::unix::fs::MetadataExt;
+    Some((metadata.dev(), metadata.ino()))
+}
 
-    #[cfg(unix)]
-    fn with(_: &Path, metadata: &Metadata) -> Option<Identity> {
-        use std::os::unix::fs::MetadataExt;
-        Some(Identity((metadata.dev(), metadata.ino())))
-    }
+#[cfg(not(unix))]
+fn identity(path: &Path, _: &Metadata) -> Option<Identity> {
+    path.canonicalize().ok()
+}
 
-    #[cfg(not(unix))]
-    fn with(path: &Path, _: &Metadata) -> Option<Identity> {
-        path.canonicalize().ok().map(Identity)
-    }
+/// Identity of the file or folder at `path`, if there is one.
+pub fn identity_of(path: &Path) -> Option<Identity> {
+    identity(path, &std::fs::metadata(path).ok()?)
 }
 
 /// The inputs of this process.
 static INPUTS: LazyLock<Mutex<HashSet<Identity>>> = LazyLock::new(Mutex::default);
 
 fn remember(path: &Path, metadata: &Metadata) {
-    if let Some(identity) = Identity::with(path, metadata) {
+    if let Some(identity) = identity(path, metadata) {
         let mut inputs = INPUTS.lock().unwrap_or_else(PoisonError::into_inner);
         inputs.insert(identity);
     }
@@ -180,7 +175,7 @@ fn remember(path: &Path, metadata: &Metadata) {
 /// Counts the file at `path` among the inputs no more: it is ours and will be removed, and another file may get its number.
 pub fn forget(path: &Path) {
     let mut inputs = INPUTS.lock().unwrap_or_else(PoisonError::into_inner);
-    if let Some(identity) = Identity::of(path) {
+    if let Some(identity) = identity_of(path) {
         inputs.remove(&identity);
     }
 }
@@ -197,7 +192,7 @@ pub fn note_input(path: &Path) {
 /// True if the file at `path` was read by this process, or noted as an input, under any name.
 pub fn is_input(path: &Path) -> bool {
     let inputs = INPUTS.lock().unwrap_or_else(PoisonError::into_inner);
-    Identity::of(path).is_some_and(|identity| inputs.contains(&identity))
+    identity_of(path).is_some_and(|identity| inputs.contains(&identity))
 }
 
 #[cfg(test)]

@@ -124,28 +124,6 @@ pub fn verdict_text(result: &CaseResult, widest: usize) -> String {
     text
 }
 
-/// Cases without an image that are named rather than counted, at most.
-const MOST_MISSING: usize = 3;
-
-/// Number of cases without an image, for a list that leaves them out.
-pub(crate) fn without_image_text(names: &[&str]) -> String {
-    match names {
-        [] => String::new(),
-        [name] => format!("1 case without an image: {name}\n"),
-        _ if names.len() <= MOST_MISSING => {
-            format!(
-                "{} cases without an image: {}\n",
-                names.len(),
-                names.join(", ")
-            )
-        }
-        _ => format!(
-            "{} cases without an image; --verbose lists them\n",
-            names.len()
-        ),
-    }
-}
-
 /// How many cases there are of each verdict.
 pub(super) fn counts_text(results: &[CaseResult]) -> String {
     let counts = Verdict::ALL.map(|(verdict, _, words)| match verdict.count(results) {

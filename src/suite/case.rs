@@ -4,7 +4,7 @@ use super::outline::{self, Outline};
 use super::{Answer, EmbeddedSuite, Store};
 use crate::compare::{Gate, Promise};
 use crate::files::misspelling::nearest;
-use crate::files::regular_file::Identity;
+use crate::files::regular_file::identity_of;
 use crate::film::Depth;
 use crate::known_answers::{self, Footprint, Formula};
 use crate::scene::format::{Key, Kind, Range, Table};
@@ -336,7 +336,7 @@ impl Suite {
         let mut seen = HashSet::new();
         while let Some(folder) = folders.pop() {
             // By way of a link a folder may be within itself.
-            let is_new = Identity::of(&folder).is_some_and(|identity| seen.insert(identity));
+            let is_new = identity_of(&folder).is_some_and(|identity| seen.insert(identity));
             let Ok(entries) = std::fs::read_dir(&folder) else {
                 continue;
             };

@@ -205,9 +205,15 @@ fn what_is_no_run_is_told() {
     for (arguments, parts) in [
         (
             &["golden"][..],
-            &["there is no golden/results.json", "--json=DIR/results.json"][..],
+            &[
+                "golden/results.json: there is no such file",
+                "--json=DIR/results.json",
+            ][..],
         ),
-        (&["nowhere"], &["there is no nowhere/results.json"]),
+        (
+            &["nowhere"],
+            &["nowhere/results.json: there is no such file"],
+        ),
         (&["no-json"], &["no-json/results.json: EOF"]),
         (
             &["other"],

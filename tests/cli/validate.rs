@@ -94,7 +94,7 @@ fn missing_images_are_counted_once() {
     pass          plots/curve [seconds]
     pass          smoke/nearest [seconds]
     pass          smoke/shadow [seconds]
-    1 case without an image: smoke/plain
+    1 case without an image; --verbose lists them
 
     4 cases: 3 passed, 1 missing
     ");
