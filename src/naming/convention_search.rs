@@ -269,12 +269,9 @@ fn may_be_by_convention(scene: &Scene, images: &[Film]) -> bool {
         volume.is_some_and(|volume| volume.mode == Mode::Composited && !volume.has_objects())
     };
     images.first().is_some_and(|first| {
+        // No convention makes an image of one colour, such as black, of a volume.
+        let has_colours = first.radiance().windows(2).any(|pair| pair[0] != pair[1]);
         let is_of_size = [first.width(), first.height()] == [scene.width(), scene.height()];
-        is_of_size && !is_of_one_colour(first) && scene.panels.iter().all(is_classified)
+        is_of_size && has_colours && scene.panels.iter().all(is_classified)
     })
-}
-
-/// True for an image such as black, which no convention makes of a volume.
-fn is_of_one_colour(film: &Film) -> bool {
-    film.radiance().windows(2).all(|pair| pair[0] == pair[1])
 }

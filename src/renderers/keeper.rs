@@ -24,15 +24,6 @@ pub(crate) struct Keeper {
     pub arguments: Vec<OsString>,
 }
 
-impl Keeper {
-    /// The command of a keeper of the renderer that `words` call.
-    pub(super) fn command(&self, words: &[String]) -> std::process::Command {
-        let mut command = std::process::Command::new(&self.program);
-        command.args(&self.arguments).args(words);
-        command
-    }
-}
-
 /// The report of a keeper on its renderer.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Kept {

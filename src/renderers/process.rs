@@ -159,13 +159,12 @@ impl Process {
         }
         let in_words = |error: io::Error| error.to_string();
         let (log, writer) = pipe().map_err(in_words)?;
-        let mut command = match keeper {
-            Some(keeper) => keeper.command(words),
-            None => Command::new(&words[0]),
+        let mut command =
+            Command::new(keeper.map_or(words[0].as_ref(), |it| it.program.as_os_str()));
+        match keeper {
+            Some(keeper) => command.args(&keeper.arguments).args(words),
+            None => command.args(&words[1..]),
         };
-        if keeper.is_none() {
-            command.args(&words[1..]);
-        }
         // A keeper is told to end by the end of its standard input, and prints its report.
         if stays || keeper.is_some() {
             command.stdin(Stdio::piped()).stdout(Stdio::piped());
