@@ -346,23 +346,27 @@ fn joined_self_test(
 ) -> Result<Outcome, Failure> {
     arguments.files.check_no_results()?;
     let (run, cases) = (&of.run, cases_of(&of.run, suite)?);
-    let mut of_cases: BTreeMap<&str, (&CaseTrials, &ResultFolder)> = BTreeMap::new();
+    let mut of_cases: BTreeMap<&str, (CaseTrials, &ResultFolder)> = BTreeMap::new();
     for (part, folder) in &of.parts {
         for trials in &part.trials {
-            let name = trials.case.as_str();
-            match of_cases.insert(name, (trials, *folder)) {
-                Some((one, here)) if one != trials => {
-                    let said = [here, folder].map(|it| it.path().display().to_string());
-                    return Err(contradiction(&format!("self-tests of {name}"), &said));
+            let (name, trials) = (trials.case.as_str(), trials.clone());
+            let both = match of_cases.remove(name) {
+                None => (trials, *folder),
+                Some((one, here)) => {
+                    let both = one.with(trials);
+                    let said = || [here, folder].map(|it| it.path().display().to_string());
+                    let both = both
+                        .ok_or_else(|| contradiction(&format!("self-tests of {name}"), &said()));
+                    (both?, here)
                 }
-                _ => {}
-            }
+            };
+            of_cases.insert(name, both);
         }
     }
     let (mut found, mut missing) = (Vec::new(), Vec::new());
     for (name, _) in &run.cases {
         match of_cases.remove(name.as_str()) {
-            Some((trials, _)) => found.push(trials.clone()),
+            Some((trials, _)) => found.push(trials),
             None => missing.push((name, &of.missing)),
         }
     }

@@ -80,30 +80,36 @@ pub(super) fn cause(
         ..asked
     };
     let right_along_view = compared.right(along_view).ok()?;
-    let line = |right: &[f32], is_inverse: bool| line(compared, right, test, is_inverse);
-    if let Some([a, b]) = line(right, false) {
-        let said = format!(
-            "{b:.4} times the right depth, {a:+.4}: write distances from the eye, in world units"
-        );
-        return Some(said);
-    }
-    let said = if let Some([a, b]) = line(&right_along_view, false) {
-        format!("{b:.4} times the distance along the view, {a:+.4}")
-    } else {
-        let [a, b] = line(&right_along_view, true)?;
-        format!("the value of a depth buffer, {a:.4} {b:+.4} / z of the distance z along the view")
+    let laws = [
+        (right, false),
+        (&right_along_view[..], false),
+        (&right_along_view[..], true),
+    ];
+    let lines = laws.into_iter().enumerate();
+    let lines = lines.filter_map(|(law, (right, is_inverse))| {
+        Some((law, line(compared, right, test, is_inverse)?))
+    });
+    let (law, (_, [a, b])) = lines.min_by(|(_, a), (_, b)| a.0.total_cmp(&b.0))?;
+    let said = match law {
+        0 => format!("{b:.4} times the right depth, {a:+.4}"),
+        1 => format!("{b:.4} times the distance along the view, {a:+.4}"),
+        _ => format!(
+            "the value of a depth buffer, {a:.4} {b:+.4} / z of the distance z along the view"
+        ),
     };
-    Some(format!("{said}: write distances in world units"))
+    Some(format!(
+        "{said}: write distances from the eye, in world units"
+    ))
 }
 
-/// The line `a + b x` through the values of `test`, where x is the depth in `right` or its inverse, by least squares; if
-/// depths on it explain them all.
+/// The line `a + b x` through the values of `test`, where x is the depth in `right` or its inverse, by least squares, with
+/// the mean distance of the depths that follow from it; if these explain all values.
 fn line(
     compared: &DepthComparison<'_>,
     right: &[f32],
     test: &[f32],
     is_inverse: bool,
-) -> Option<[f64; 2]> {
+) -> Option<(f64, [f64; 2])> {
     let of = |z: f64| if is_inverse { z.recip() } else { z };
     let pairs = right
         .iter()
@@ -120,5 +126,7 @@ fn line(
     let distance = |value: &f32| of((f64::from(*value) - a) / b) as f32;
     let distances: Vec<f32> = test.iter().map(distance).collect();
     let is_known = near > 0.0 && far > LEAST_SPREAD * near && (b > 0.0 || is_inverse);
-    (is_known && compared.explains(right, &distances)).then_some([a, b])
+    let found = compared.of(right, &distances);
+    let explains = found.shows_depth() && found.outside == 0;
+    (is_known && explains).then_some((found.mean, [a, b]))
 }

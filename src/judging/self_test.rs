@@ -54,6 +54,29 @@ impl CaseTrials {
         self.unusable.is_none()
     }
 
+    /// These findings with those of another process, which may have tried other mistakes; `None` if they contradict
+    /// each other.
+    pub fn with(mut self, other: CaseTrials) -> Option<CaseTrials> {
+        if self.unusable != other.unusable {
+            return None;
+        }
+        for (mistake, trial) in other.mistakes {
+            match self.trial(&mistake) {
+                Trial::NotTried => _ = self.mistakes.insert(mistake, trial),
+                known if trial != Trial::NotTried && known != trial => return None,
+                _ => {}
+            }
+        }
+        for (variant, rejection) in other.benign {
+            match self.benign.iter().find(|(name, _)| *name == variant) {
+                None => self.benign.push((variant, rejection)),
+                Some((_, known)) if *known != rejection => return None,
+                Some(_) => {}
+            }
+        }
+        Some(self)
+    }
+
     fn trial(&self, mistake: &str) -> Trial {
         self.mistakes
             .get(mistake)

@@ -272,7 +272,7 @@ fn wrong_depths_have_their_cause() {
         ),
         (
             mapped(&share),
-            "it is 0.0253 times the distance along the view, -0.0127: write",
+            "it is 0.0253 times the distance along the view, -0.0127",
         ),
     ] {
         prints(
