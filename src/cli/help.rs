@@ -22,7 +22,6 @@ const GROUPS: [(&str, &[&str]); 4] = [
             "suite",
             "schema",
             "completions",
-            "man",
             "help",
         ],
     ),

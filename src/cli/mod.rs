@@ -19,7 +19,6 @@ mod keep;
 mod kept;
 mod known;
 mod list;
-mod man;
 mod merge;
 mod output;
 mod page;
@@ -81,7 +80,6 @@ enum Command {
     Suite(suite_command::Arguments),
     Schema(schema::Arguments),
     Completions(completions::Arguments),
-    Man(man::Arguments),
     #[command(name = keep::NAME, hide = true)]
     Keep(keep::Arguments),
 }
@@ -152,7 +150,6 @@ fn run() -> Exit {
         Command::Suite(arguments) => suite_command::run(arguments),
         Command::Schema(arguments) => Ok(schema::run(arguments)),
         Command::Completions(arguments) => Ok(completions::run(arguments)),
-        Command::Man(arguments) => man::run(arguments),
         Command::Keep(arguments) => Ok(keep::run(arguments)),
     };
     match result {

@@ -142,7 +142,7 @@ fn arguments(command: &str) -> &'static [&'static str] {
         "selftest" => &["curve", "--quick"],
         "info" => &["cloud.obj"],
         "completions" => &["bash"],
-        "list" | "suite" | "schema" | "man" | "help" => &[],
+        "list" | "suite" | "schema" | "help" => &[],
         _ => panic!("no arguments for {command} here"),
     }
 }
