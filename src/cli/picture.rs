@@ -1,7 +1,7 @@
 //! The options of `volref render` for volume files, and the scene that they make.
 
 use super::failure::{Exit, Failure, bad_input};
-use super::output;
+use super::{output, progress};
 use crate::files::atomic_file::directory_of;
 use crate::optics::Colormap;
 use crate::scene::{Recipe, Scene};
@@ -83,7 +83,13 @@ impl Picture {
         let file = file.to_str().ok_or_else(|| {
             bad_input(format!("{}: a scene names files in UTF-8", path.display()))
         })?;
-        let text = recipe.text(path, file).map_err(bad_input)?;
+        let (text, replaced) = recipe.text(path, file).map_err(bad_input)?;
+        if let Some(value) = replaced {
+            let path = path.display();
+            progress::note(&format!(
+                "{path}: values that are not finite are shown as {value}, the smallest"
+            ));
+        }
         Ok((Scene::parse(&text, scene)?, text))
     }
 

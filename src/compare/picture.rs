@@ -33,8 +33,8 @@ pub enum PictureError {
     Empty(usize, usize),
     /// An 8-bit image under a gate for radiance, by the name of the gate.
     #[error(
-        "the {0} gate compares linear images (.exr, .pfm, .npy); 8-bit images can only be compared by \
-         the perceptual gate"
+        "the {0} gate compares linear images (.exr, .pfm, .npy); compare an 8-bit image by \
+         the perceptual gate, or state --bits"
     )]
     NeedsRadiance(&'static str),
     /// Two images without noise under the gate for noise.

@@ -11,7 +11,13 @@ use std::path::{Path, PathBuf};
 fn in_folder(folder: &Path) -> impl Fn(io::Error) -> io::Error {
     let folder = folder.display().to_string();
     move |error| {
-        let message = format!("cannot create the folder {folder}: {error}");
+        let cause = match error.kind() {
+            ErrorKind::AlreadyExists => {
+                "a file stands in its place: choose another folder".to_owned()
+            }
+            _ => error.to_string(),
+        };
+        let message = format!("cannot create the folder {folder}: {cause}");
         io::Error::new(error.kind(), message)
     }
 }

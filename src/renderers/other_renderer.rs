@@ -5,8 +5,8 @@ use super::kept_images::files_in;
 use super::process::run;
 use super::{CallSettings, CommandTemplate, Keeper, KeptImages, StayingRenderers};
 use crate::files::atomic_file::directory_of;
-use crate::files::regular_file;
 use crate::files::temporary_folder::TemporaryFolder;
+use crate::files::{own_file, regular_file};
 use crate::film::Film;
 use crate::suite::{Case, Output, Outputs, image_path, step_name};
 use std::error::Error;
@@ -79,15 +79,15 @@ impl OtherRenderer {
         let temporary = TemporaryFolder::new()
             .map_err(|error| format!("cannot create a temporary folder: {error}"))?;
         let kept = options.keep.as_ref().map(|(folder, cases)| {
-            std::fs::create_dir_all(folder)?;
+            own_file::make_folder(folder, Path::new(""))?;
             Ok(KeptImages {
                 folder: absolute(folder)?,
                 cases: cases.clone(),
             })
         });
-        let kept = kept.transpose().map_err(|error: std::io::Error| {
-            format!("cannot create the folder for images: {error}")
-        })?;
+        let kept = kept
+            .transpose()
+            .map_err(|error: std::io::Error| error.to_string())?;
         let staying = options.stays.then(|| {
             let words = options.template.words_alone();
             StayingRenderers::new(words, options.timeout, options.keeper.clone())

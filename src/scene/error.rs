@@ -1,7 +1,7 @@
 //! Errors in scenes, with their position and remedy.
 
 use crate::files::visible::{visible, visible_in_place};
-use miette::{Diagnostic, NamedSource, SourceSpan};
+use miette::{Diagnostic, MietteError, MietteSpanContents, SourceCode, SourceSpan, SpanContents};
 use std::ops::Range;
 use thiserror::Error;
 
@@ -22,9 +22,37 @@ pub struct SceneError {
     position: Option<(usize, usize)>,
     /// The file, unless it has lines too long to be shown.
     #[source_code]
-    source_code: Option<NamedSource<String>>,
+    source_code: Option<Excerpt>,
     #[label]
     span: Option<SourceSpan>,
+}
+
+/// The text of a file, of which messages show the lines around a mistake. Columns count characters, where those of miette
+/// count bytes.
+#[derive(Clone, Debug)]
+struct Excerpt {
+    name: String,
+    text: String,
+}
+
+impl SourceCode for Excerpt {
+    fn read_span<'a>(
+        &'a self,
+        span: &SourceSpan,
+        before: usize,
+        after: usize,
+    ) -> Result<Box<dyn SpanContents<'a> + 'a>, MietteError> {
+        let read = self.text.read_span(span, before, after)?;
+        let line = self.text[..read.span().offset()].rsplit('\n').next();
+        Ok(Box::new(MietteSpanContents::new_named(
+            self.name.clone(),
+            read.data(),
+            *read.span(),
+            read.line(),
+            line.unwrap_or_default().chars().count(),
+            read.line_count(),
+        )))
+    }
 }
 
 /// A longer message is shortened: ten lines of a terminal say what is wrong.
@@ -88,7 +116,10 @@ impl SceneError {
             path: path.to_owned(),
             position,
             span: span.filter(|_| is_shown).map(SourceSpan::from),
-            source_code: is_shown.then(|| NamedSource::new(visible(path), text)),
+            source_code: is_shown.then(|| Excerpt {
+                name: visible(path),
+                text,
+            }),
         })
     }
 

@@ -37,8 +37,9 @@ const OPACITY: f64 = 0.9;
 const POINTS: usize = 9;
 
 impl Recipe {
-    /// The text of a scene of the volume file at `path`, which the scene calls `file`.
-    pub fn text(&self, path: &Path, file: &str) -> Result<String, String> {
+    /// The text of a scene of the volume file at `path`, which the scene calls `file`; and the value that stands for
+    /// those that are not finite, if there are any.
+    pub fn text(&self, path: &Path, file: &str) -> Result<(String, Option<f32>), String> {
         let loaded = |non_finite| {
             let options = LoadOptions {
                 non_finite,
@@ -86,7 +87,7 @@ impl Recipe {
         if let Some(scale) = scale {
             text += &format!("scale = {:?}\n", scale.to_array());
         }
-        Ok(text)
+        Ok((text, (!is_whole).then_some(lowest)))
     }
 
     /// Place of the eye: from the front and, of what has a surface, a little from the side and above. The front of a
