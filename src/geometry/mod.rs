@@ -26,6 +26,7 @@ mod ray;
 mod rectangle;
 mod shape;
 mod sphere;
+mod sphere_test;
 mod spherical_rectangle;
 mod surface;
 mod transform;

@@ -1,5 +1,6 @@
 //! Transformed shapes.
 
+use super::sphere_test::SphereTest;
 use super::{Aabb, Crossing, Hit, Ray, Solid, Span, Surface, SurfacePoint, Transform};
 use glam::DVec3;
 
@@ -12,6 +13,7 @@ pub struct Placed<S> {
     shape: S,
     to_world: Transform,
     bounds: Aabb,
+    sphere: SphereTest,
     /// Bound on the distance by which a world point moves on its way to the shape and back.
     rounding: f64,
 }
@@ -25,7 +27,9 @@ impl<S: Surface> Placed<S> {
         let object = shape.bounds();
         let bounds = to_world.bounds(&object);
         let rounding = to_world.round_trip_error(bounds.reach(), object.reach());
+        let (centre, radius) = to_world.bounding_sphere(shape.bounding_sphere());
         Placed {
+            sphere: SphereTest::new(centre, radius + SLACK * rounding),
             shape,
             to_world,
             bounds,
@@ -57,6 +61,15 @@ impl<S: Surface> Placed<S> {
             clearance: 2.0 * self.to_world.stretch() * point.clearance + 8.0 * self.rounding,
         }
     }
+
+    /// `ray` in the space of the shape, and world lengths in its units; `None` where it misses the sphere around the
+    /// shape, which spares it the way there: 13 % of the time of a Cornell box.
+    fn ray_to_object(&self, ray: &Ray, limit: f64) -> Option<(Ray, f64)> {
+        if !self.sphere.may_meet(ray, limit) {
+            return None;
+        }
+        self.to_world.ray_to_object(ray)
+    }
 }
 
 impl<S: Surface> Surface for Placed<S> {
@@ -74,7 +87,7 @@ impl<S: Surface> Surface for Placed<S> {
     }
 
     fn crossing(&self, ray: &Ray, limit: f64) -> Option<Crossing> {
-        let (ray, scale) = self.to_world.ray_to_object(ray)?;
+        let (ray, scale) = self.ray_to_object(ray, limit)?;
         let crossing = self.shape.crossing(&ray, limit * scale)?;
         let t = crossing.t / scale;
         // The way there and back may have rounded the limit.
@@ -94,14 +107,14 @@ impl<S: Surface> Surface for Placed<S> {
 
     /// The way to the shape rounds the limit: a hit within an ulp of it counts either way.
     fn blocks(&self, ray: &Ray, limit: f64) -> bool {
-        let object = self.to_world.ray_to_object(ray);
+        let object = self.ray_to_object(ray, limit);
         object.is_some_and(|(ray, scale)| self.shape.blocks(&ray, limit * scale))
     }
 }
 
 impl<S: Solid> Solid for Placed<S> {
     fn append_spans(&self, ray: &Ray, spans: &mut Vec<Span>) {
-        let Some((ray, scale)) = self.to_world.ray_to_object(ray) else {
+        let Some((ray, scale)) = self.ray_to_object(ray, f64::INFINITY) else {
             return;
         };
         let first = spans.len();
