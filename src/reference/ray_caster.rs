@@ -40,7 +40,7 @@
 //! Several volumes, surfaces and clips in one picture are the matter of `several_volumes.rs`.
 //!
 //! Other renderers differ from this in conventions, and a scene may state theirs: those are rendered
-//! by the loop of [`conventions::ray_caster`](crate::conventions::ray_caster).
+//! by the loop of [`conventions::RayCaster`](crate::conventions::RayCaster).
 //!
 //! Sources: Levoy 1988, "Display of surfaces from volume data"; Max 1995, "Optical models for
 //! direct volume rendering"; Porter & Duff 1984, "Compositing digital images".
