@@ -240,7 +240,9 @@ impl<'s> RayCaster<'s> {
     /// Visibility of the light from `point`, in [0, 1].
     pub fn visibility(&self, point: DVec3, node_point: NodePoint, work: &mut Counters) -> f64 {
         let to_light = self.scene.light - point;
-        let (Some(shadow), Some(ray)) = (self.shadow, Ray::new(point, to_light)) else {
+        // A direction takes a root and a division: only where there is a shadow.
+        let with_ray = |shadow| Some((shadow, Ray::new(point, to_light)?));
+        let Some((shadow, ray)) = self.shadow.and_then(with_ray) else {
             return 1.0;
         };
         let Some(span) = self.extent.span(&ray) else {
