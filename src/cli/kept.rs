@@ -9,7 +9,7 @@ use crate::judging::{CaseTrials, Judged};
 use crate::runs::{ResultFolder, Run};
 use crate::suite::{Case, Suite};
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Setting of a run that has a name.
 pub const NAME: &str = "name";
@@ -78,7 +78,7 @@ impl PartArguments {
 pub struct KeptResults(ResultFolder, Run);
 
 impl KeptResults {
-    /// Keeps what was found in the `cases` of a part, and says where.
+    /// Keeps what was found in the `cases` of a part; returns the folder of its run.
     ///
     /// # Errors
     ///
@@ -88,15 +88,18 @@ impl KeptResults {
         cases: &[String],
         judged: &[Judged],
         trials: &[CaseTrials],
-    ) -> Result<(), Failure> {
+    ) -> Result<PathBuf, Failure> {
         let KeptResults(folder, run) = self;
         let kept = folder.keep(run, cases.to_vec(), judged, trials.to_vec());
-        let place = kept.map_err(|error| {
+        kept.map_err(|error| {
             let message = format!("the results cannot be kept: {error}");
             let help = "the verdicts hold, but volref merge would miss them; choose another folder with --results DIR";
             Failure::new(Exit::BadInput, message, Some(help))
-        })?;
-        progress::note(&format!("results kept in {}", place.display()));
-        Ok(())
+        })
     }
+}
+
+/// Says where results are kept.
+pub fn say_kept(place: &Path) {
+    progress::note(&format!("results kept in {}", place.display()));
 }

@@ -27,7 +27,7 @@ impl ReportPage {
         self.report.as_deref().map(|folder| folder.join(PAGE))
     }
 
-    /// Fails if the page cannot be written ; called before long work.
+    /// Fails if the page cannot be written; called before long work.
     pub fn check(&self) -> Result<(), Failure> {
         let (Some(folder), Some(page)) = (&self.report, self.file()) else {
             return Ok(());

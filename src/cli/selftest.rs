@@ -1,7 +1,7 @@
 //! `volref selftest [FILTER…]`
 
 use super::failure::{Exit, Failure};
-use super::kept::PartArguments;
+use super::kept::{PartArguments, say_kept};
 use super::output::{self, Json};
 use super::{Outcome, progress};
 use crate::judging::{SelfTest, SelfTestCases, SelfTestExtent, case_trials, self_test_steps};
@@ -53,7 +53,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     bar.finish_and_clear();
     if let Some(kept) = to_keep {
         let names: Vec<String> = cases.iter().map(name).collect();
-        kept.keep(&names, &[], &found)?;
+        say_kept(&kept.keep(&names, &[], &found)?);
     }
     let test = SelfTest::of(&cases, &found, which);
     let value = report::self_test_json(&test);

@@ -3,7 +3,7 @@
 use super::command_line::command_line;
 use super::failure::{EXIT_CODES, Exit, Failure, bad_input, exit};
 use super::help::EXAMPLE_FIRST;
-use super::kept::{KeptResults, NAME, PartArguments};
+use super::kept::{KeptResults, NAME, PartArguments, say_kept};
 use super::known::{KnownArgument, KnownFile};
 use super::renderer::{Command, RendererArguments};
 use super::results::{Findings, ResultFiles};
@@ -188,7 +188,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
             let part: Vec<String> = cases.iter().map(name).chain(passed_over).collect();
             // Before the search, which somebody may end.
             if let Some(kept) = &to_keep {
-                kept.keep(&part, &judged, &[])?;
+                say_kept(&kept.keep(&part, &judged, &[])?);
             }
             if judged.is_empty() {
                 return Err(judge.nothing_compared());
