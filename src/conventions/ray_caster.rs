@@ -77,9 +77,13 @@ impl<'s> RayCaster<'s> {
         let cuts_all = |clip: &&Clip| (0..count).all(|volume| clip.cuts(volume));
         let (clips, of_some): (Vec<_>, Vec<_>) = scene.objects.clips.iter().partition(cuts_all);
         let clips_of = |volume| of_some.iter().copied().filter(move |it| it.cuts(volume));
+        let each_alone: Vec<Classified> = match count {
+            1 => Vec::new(),
+            _ => scene.each_alone().collect(),
+        };
         let common = (count > 1).then(|| {
-            let boxes = scene.each_alone().map(|it| extent(&it).world_bounds());
-            let near_depths = scene.each_alone().map(|alone| near_depth(&alone));
+            let boxes = each_alone.iter().map(|it| extent(it).world_bounds());
+            let near_depths = each_alone.iter().map(near_depth);
             CommonSteps {
                 bounds: boxes.reduce(Aabb::union).expect("a first volume"),
                 near_depth: near_depths.fold(0.0, f64::max),
@@ -88,7 +92,7 @@ impl<'s> RayCaster<'s> {
         });
         let volumes = match &common {
             None => vec![(VolumeCaster::new(as_stored(scene), known), Vec::new())],
-            Some(common) => (scene.each_alone().enumerate())
+            Some(common) => (each_alone.into_iter().enumerate())
                 .map(|(volume, mut alone)| {
                     alone.step = common.step;
                     alone.conventions.voxel_box |= alone.conventions.voxel_boxes;

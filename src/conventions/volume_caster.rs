@@ -301,7 +301,8 @@ impl<'s> VolumeCaster<'s> {
         } else {
             scene.light - point
         };
-        let (Some(shadow), Some(ray)) = (scene.shadow, Ray::new(point, to_light)) else {
+        let with_ray = |shadow| Some((shadow, Ray::new(point, to_light)?));
+        let Some((shadow, ray)) = scene.shadow.and_then(with_ray) else {
             return 1.0;
         };
         let Some(inside) = self.extent.span(&ray) else {

@@ -390,10 +390,10 @@ impl<'c> Cursor<'c> {
             let gradient = part.scene.interpolation.read(gradients, &cell);
             shaded = phong.shade(colour, gradient, Direction::of(to_light), -ray.direction);
         }
-        let visibility = match Ray::new(point, to_light) {
-            Some(ray) => caster.visibility(&ray, length_of(to_light), false, work),
-            None => 1.0,
-        };
+        let ray = caster.scene.shadow.and_then(|_| Ray::new(point, to_light));
+        let visibility = ray.map_or(1.0, |ray| {
+            caster.visibility(&ray, length_of(to_light), false, work)
+        });
         self.colour = shaded * (look.emission(value) * visibility);
     }
 }
