@@ -12,7 +12,7 @@ use crate::judging::{CaseResult, Cause, Evidence, Verdict};
 use crate::naming::Likenesses;
 use crate::report::Page;
 use crate::runs;
-use crate::runs::{AcceptError, AcceptRequest, Accepted};
+use crate::runs::{AcceptError, AcceptRequest, Accepted, Change};
 use crate::suite::{Case, CasesOfScene, Draft, Golden, Store, StoreError, Suite};
 use serde_json::json;
 use std::path::Path;
@@ -87,10 +87,11 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         detail,
     } in &accepted
     {
+        let change = change.word();
         text.push_str(&format!("{change:<9}  {case}: {detail}\n"));
         entries.push(json!({ "name": case, "change": change, "reason": detail }));
     }
-    let is_image = |it: &Accepted| ["new", "replaced"].contains(&it.change);
+    let is_image = |it: &Accepted| matches!(it.change, Change::New | Change::Replaced);
     if accepted.iter().any(is_image) {
         let folder = suite.golden_folder();
         text.push_str(&format!(
@@ -157,8 +158,16 @@ fn image(store: &Store, case: &Case) -> Option<Film> {
 
 /// The goldens of a run, counted by what became of them.
 fn headline(accepted: &[Accepted]) -> String {
-    let words = ["new", "replaced", "recorded", "unchanged"];
-    let counts = words.map(|word| (accepted.iter().filter(|it| it.change == word).count(), word));
+    let changes = [
+        Change::New,
+        Change::Replaced,
+        Change::Recorded,
+        Change::Unchanged,
+    ];
+    let counts = changes.map(|change| {
+        let such = accepted.iter().filter(|it| it.change == change);
+        (such.count(), change.word())
+    });
     let counts = counts.iter().filter(|(count, _)| *count > 0);
     let counts: Vec<String> = counts
         .map(|(count, word)| format!("{count} {word}"))
@@ -175,7 +184,7 @@ impl Arguments {
         new: Option<Film>,
         Accepted { change, detail, .. }: &Accepted,
     ) -> (CaseResult, Evidence) {
-        let reason = format!("{change}: {detail}");
+        let reason = format!("{}: {detail}", change.word());
         let finding = CaseResult::new(Verdict::Pass, Cause::None, reason);
         let mut result = finding.of_case(&case.name, case.class(), Gate::Exact);
         let note = "the golden shown is the one before this accept; the test image is the one accepted now";

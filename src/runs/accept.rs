@@ -26,10 +26,35 @@ use thiserror::Error;
 pub struct Accepted {
     /// `family/name`.
     pub case: String,
-    /// `new`; `unchanged`; `recorded`, for the same image of a changed scene, plan or manifest; or `replaced`.
-    pub change: &'static str,
+    /// Change of the golden.
+    pub change: Change,
     /// Why, or the difference from the old image.
     pub detail: String,
+}
+
+/// Change of a golden.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Change {
+    /// There was no golden, or no trustworthy one.
+    New,
+    /// Another image.
+    Replaced,
+    /// The same image of a changed scene, plan or manifest.
+    Recorded,
+    /// Nothing changed.
+    Unchanged,
+}
+
+impl Change {
+    /// Word for it, as in JSON.
+    pub fn word(self) -> &'static str {
+        match self {
+            Change::New => "new",
+            Change::Replaced => "replaced",
+            Change::Recorded => "recorded",
+            Change::Unchanged => "unchanged",
+        }
+    }
 }
 
 /// Reason why nothing was accepted. All goldens are unchanged.
@@ -395,19 +420,19 @@ fn prepare(
         record: "",
     };
     let change = match &old {
-        None => changed("new", why_new),
+        None => changed(Change::New, why_new),
         Some(old) if old.provenance.pixels != golden.film.pixel_hash() => {
             let [before, after] =
                 [&old.film, &golden.film].map(|film| Picture::Radiance(film.clone()));
             let judgement = judge(Gate::Exact, &before, &after, &Conditions::default());
             changed(
-                "replaced",
+                Change::Replaced,
                 &judgement.expect("both images are radiance").reason,
             )
         }
         Some(old) if same_file(old) => {
             return Ok((
-                changed("unchanged", "kept, with its old reason"),
+                changed(Change::Unchanged, "kept, with its old reason"),
                 Vec::new(),
             ));
         }
@@ -418,7 +443,7 @@ fn prepare(
                 record: reason,
             };
             changed(
-                "recorded",
+                Change::Recorded,
                 "same image; its record (scene, plan, truth, how it is judged, quick rendering or sensitivities) changed",
             )
         }

@@ -3,5 +3,5 @@
 pub(crate) mod accept;
 pub(crate) mod kept_results;
 
-pub use accept::{AcceptError, Accepted, Request as AcceptRequest, accept};
+pub use accept::{AcceptError, Accepted, Change, Request as AcceptRequest, accept};
 pub use kept_results::{KeptResult, Part, RESULTS, ResultFolder, Run};

@@ -550,7 +550,7 @@ fn read_shadows(reader: &Reader, volumes: &mut [VolumeTable]) -> SceneResult<()>
         true => texts.swap_remove(0),
         false => texts.join(", ") + ", volume by volume",
     };
-    // That of a file that gives it stays.
+    // A file that gives it keeps its own.
     reader.resolved("reference_step", text);
     Ok(())
 }

@@ -96,14 +96,14 @@ fn sweep(sweep: &Sweep) -> Table {
     let work = levels.iter().map(|level| &level.work);
     columns_of_work(&mut table, work.collect());
     type Error = fn(&Norms) -> f64;
-    let errors: [(_, Error); 3] = [
-        ("mean error", |error| error.l1),
-        ("RMS error", |error| error.l2),
-        ("largest", |error| error.max),
+    let errors: [(_, Error, bool); 3] = [
+        ("mean error", |error| error.l1, false),
+        ("RMS error", |error| error.l2, true),
+        ("largest", |error| error.max, false),
     ];
-    for (head, error) in errors {
+    for (head, error, is_rms) in errors {
         let shown = |level: &Level| {
-            let is_near = head == "RMS error" && level.error.l2 <= known;
+            let is_near = is_rms && level.error.l2 <= known;
             let mark = if is_near { "° " } else { "" };
             Some(format!("{mark}{}", words::error(error(&level.error))))
         };

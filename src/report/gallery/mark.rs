@@ -4,22 +4,36 @@ use crate::judging::{CaseResult, KnownStatus, Verdict};
 use crate::suite::refusal;
 use minijinja::{Value, context};
 
-/// A kind of result: class of its elements, sign that tells it apart without colour, and word for it. The template
-/// explains them.
+/// A kind of result. The template explains them.
 #[derive(Debug, PartialEq)]
-pub(super) struct Mark(pub &'static str, &'static str, &'static str);
+pub(super) struct Mark {
+    /// Class of its elements.
+    pub class: &'static str,
+    /// Sign that tells it apart without colour.
+    symbol: &'static str,
+    /// Word for it.
+    word: &'static str,
+}
+
+const fn mark(class: &'static str, symbol: &'static str, word: &'static str) -> Mark {
+    Mark {
+        class,
+        symbol,
+        word,
+    }
+}
 
 /// All marks, in the order of the legend.
 static MARKS: [Mark; 9] = [
-    Mark("right", "✓", "right"),
-    Mark("convention", "≈", "right by convention"),
-    Mark("known", "✗", "wrong, cause known"),
-    Mark("wrong", "✗", "wrong, cause not known"),
-    Mark("undecided", "?", "undecided"),
-    Mark("error", "!", "error"),
-    Mark("absent", "○", "no image"),
-    Mark("cannot", "·", "cannot say"),
-    Mark("blank", "", "not asked"),
+    mark("right", "✓", "right"),
+    mark("convention", "≈", "right by convention"),
+    mark("known", "✗", "wrong, cause known"),
+    mark("wrong", "✗", "wrong, cause not known"),
+    mark("undecided", "?", "undecided"),
+    mark("error", "!", "error"),
+    mark("absent", "○", "no image"),
+    mark("cannot", "·", "cannot say"),
+    mark("blank", "", "not asked"),
 ];
 
 impl Mark {
@@ -43,27 +57,27 @@ impl Mark {
 
     /// True of a failure, which has a cause.
     pub fn is_wrong(&self) -> bool {
-        ["known", "wrong", "error"].contains(&self.0)
+        ["known", "wrong", "error"].contains(&self.class)
     }
 
     /// True if the renderer tried: there is an image, or it failed.
     pub fn is_judged(&self) -> bool {
-        !["absent", "cannot", "blank"].contains(&self.0)
+        !["absent", "cannot", "blank"].contains(&self.class)
     }
 
     /// True if an image was compared with the right one.
     pub fn is_compared(&self) -> bool {
-        self.is_judged() && self.0 != "error"
+        self.is_judged() && self.class != "error"
     }
 
     /// True if the image is right.
     pub fn is_right(&self) -> bool {
-        ["right", "convention"].contains(&self.0)
+        ["right", "convention"].contains(&self.class)
     }
 
     /// The words for a template.
     pub fn shown(&self) -> Value {
-        context! { class => self.0, symbol => self.1, word => self.2, is_judged => self.is_judged() }
+        context! { class => self.class, symbol => self.symbol, word => self.word, is_judged => self.is_judged() }
     }
 }
 

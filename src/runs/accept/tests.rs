@@ -160,7 +160,10 @@ fn two_renderings_that_share_no_random_number() {
     assert!(result.reason.contains("same bits") && result.reason.contains("400 samples"));
     assert_eq!(renderer.calls(), [(16, 0)], "verify stays quick");
 
-    assert_eq!(folder.accept(&renderer).unwrap()[0].change, "unchanged");
+    assert_eq!(
+        folder.accept(&renderer).unwrap()[0].change,
+        Change::Unchanged
+    );
 }
 
 #[test]
@@ -212,7 +215,7 @@ fn images_can_be_kept() {
     assert_eq!(folder.verify(&rewritten).verdict, Verdict::Fail);
     rewritten.calls();
     let accepted = folder.accept_or_keep(&rewritten, true).unwrap();
-    assert_eq!(accepted[0].change, "recorded");
+    assert_eq!(accepted[0].change, Change::Recorded);
     assert_eq!(rewritten.calls(), [(16, 0)]);
     assert_eq!(folder.verify(&rewritten).verdict, Verdict::Pass);
     let after = folder.golden();
