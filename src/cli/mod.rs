@@ -106,7 +106,6 @@ impl From<String> for Outcome {
 pub fn main(suite: SuiteFiles) -> ExitCode {
     embedded::hold(suite);
     let exit = output::exit_after_output(run());
-    embedded::remove_temporary();
     exit.into()
 }
 

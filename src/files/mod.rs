@@ -1,7 +1,6 @@
 //! Reading and writing of files: regular files only, whole or not at all, sealed by a hash.
 
 pub mod atomic_file;
-pub(crate) mod cache_folder;
 pub(crate) mod decoder;
 pub(crate) mod file_kind;
 pub(crate) mod golden_mark;
@@ -9,12 +8,10 @@ pub(crate) mod gzip;
 pub(crate) mod misspelling;
 pub(crate) mod own_file;
 pub(crate) mod partial_file;
-pub(crate) mod private_folder;
 pub(crate) mod program_hash;
 #[cfg(test)]
 pub(crate) mod proptest_failures;
 pub(crate) mod regular_file;
-pub(crate) mod temporary_folder;
 pub(crate) mod visible;
 
 pub use program_hash::program_hash;

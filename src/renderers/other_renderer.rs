@@ -5,13 +5,13 @@ use super::kept_images::files_in;
 use super::process::run;
 use super::{CallSettings, CommandTemplate, Keeper, KeptImages, StayingRenderers};
 use crate::files::atomic_file::directory_of;
-use crate::files::temporary_folder::TemporaryFolder;
 use crate::files::{own_file, regular_file};
 use crate::film::Film;
 use crate::suite::{Case, Output, Outputs, image_path, step_name};
 use std::error::Error;
 use std::path::{Path, PathBuf, absolute};
 use std::time::Duration;
+use tempfile::TempDir;
 
 /// Options of another renderer.
 #[derive(Debug)]
@@ -42,7 +42,7 @@ pub(crate) struct OtherRenderer {
     /// Images are copied into it.
     kept: Option<KeptImages>,
     /// Holds exports, and a folder for each call, in which it writes images; removed at the end.
-    temporary: TemporaryFolder,
+    temporary: TempDir,
 }
 
 /// Output for a case, and its origin.
@@ -76,7 +76,7 @@ impl OtherRenderer {
 
     /// A renderer with its folders, which are created; the error is a sentence.
     pub fn new(options: RendererOptions) -> Result<OtherRenderer, String> {
-        let temporary = TemporaryFolder::new()
+        let temporary = tempfile::tempdir()
             .map_err(|error| format!("cannot create a temporary folder: {error}"))?;
         let kept = options.keep.as_ref().map(|(folder, cases)| {
             own_file::make_folder(folder, Path::new(""))?;

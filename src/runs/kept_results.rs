@@ -7,7 +7,7 @@
 use crate::compare::Picture;
 use crate::files::atomic_file::directory_of;
 use crate::files::program_hash::hash;
-use crate::files::{own_file, partial_file, regular_file};
+use crate::files::{own_file, regular_file};
 use crate::film::{Film, FilmFormat};
 use crate::judging::{CaseResult, CaseTrials, Cause, Evidence, Judged};
 use serde::de::DeserializeOwned;
@@ -175,7 +175,6 @@ impl ResultFolder {
 
     /// Hides the folder from version control.
     pub(crate) fn hide(&self) {
-        partial_file::sweep(&self.root);
         let ignore = self.root.join(".gitignore");
         if !ignore.exists() {
             let _ = own_file::write(&ignore, b"*\n");

@@ -3,7 +3,7 @@
 //! Scenes name files beside them, and renderers that are run read scenes: both need a folder.
 
 use crate::files::atomic_file::directory_of;
-use crate::files::{own_file, partial_file, private_folder, regular_file};
+use crate::files::{own_file, partial_file, regular_file};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
@@ -48,24 +48,12 @@ impl EmbeddedSuite {
         self.files.iter().map(|(path, _)| path.as_path())
     }
 
-    /// Writes the files below the folder `inner` of `cache` for the user alone, as [`unpack`](Self::unpack); returns
-    /// that folder.
-    ///
-    /// # Errors
-    ///
-    /// If others could change the folder, too: they could replace a file after it was compared.
-    pub(crate) fn unpack_privately(&self, cache: &Path, inner: &Path) -> io::Result<PathBuf> {
-        let folder = private_folder::make(cache, inner)?;
-        self.unpack(&folder).map(|()| folder)
-    }
-
     /// Writes the files below `root`, except those that are there already, each one whole or not at all:
     /// several processes may do so at once. Links below `root` are not followed.
     pub fn unpack(&self, root: &Path) -> io::Result<()> {
         for (inner, bytes) in &self.files {
             let path = root.join(inner);
             let folder = own_file::make_folder(root, directory_of(inner))?;
-            partial_file::sweep(&folder);
             let found = || regular_file::read(&path, bytes.len() as u64);
             if own_file::check(&path).is_ok() && found().is_ok_and(|found| found == *bytes) {
                 continue;

@@ -127,33 +127,30 @@ fn it_is_kept_and_never_changed() {
     assert!(shown["files"].as_u64().unwrap() > 1000);
 }
 
-/// Without a folder for caches it is unpacked for one process; without any, the message says what to do.
+/// Without a folder for caches it is unpacked among temporary files; without any, the message says what to do.
 #[cfg(unix)]
 #[test]
 fn without_a_place_to_keep_it() {
     let folder = Folder::new();
     std::fs::create_dir(folder.path("temporary")).unwrap();
     folder.write("file", "");
-    let nowhere = ("VOLREF_CACHE", "file/cache");
-    let run = with(
-        &folder,
-        &[nowhere, ("TMPDIR", "temporary")],
-        &["verify", "figure-2"],
-    );
-    run.expect(0, "");
-    let left = std::fs::read_dir(folder.path("temporary")).unwrap();
-    assert_eq!(left.count(), 0, "it is removed");
-    let run = with(
-        &folder,
-        &[nowhere, ("TMPDIR", "file")],
-        &["verify", "figure-2"],
-    );
-    run.expect(
-        2,
-        "cannot unpack the suite … VOLREF_CACHE=DIR … --suite DIR",
-    );
+    let verify = ["verify", "figure-2"];
+    let with_temporary = |place| {
+        let variables = [("VOLREF_CACHE", "file/cache"), ("TMPDIR", place)];
+        with(&folder, &variables, &verify)
+    };
+    with_temporary("temporary").expect(0, "");
+    assert!(folder.path("temporary/volref/suite").is_dir());
+    let words = "cannot unpack the suite … VOLREF_CACHE=DIR … --suite DIR";
+    with_temporary("file").expect(2, words);
     // Whoever names a suite needs none.
     let suite = Folder::with_suite();
     let run = with(&suite, &[("TMPDIR", "nowhere")], &["list", "smoke"]);
     prints(&run, &["smoke/plain"]);
+    // The user's own folder for caches.
+    let mut command = folder.command(&verify[..]);
+    command.env_remove("VOLREF_CACHE");
+    command.env("XDG_CACHE_HOME", folder.path("xdg"));
+    Run::of(command.output().unwrap()).expect(0, "");
+    assert!(folder.path("xdg/volref/suite").is_dir());
 }

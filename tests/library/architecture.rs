@@ -224,9 +224,9 @@ const UNASKED: [&str; 6] = [
     "fs::read_to_string",
 ];
 
-/// Lines that open what is no input: a folder to be synced, a stream or a lock to be written, a
-/// partial file to be locked, the system's words on a process.
-const ASKED: [(&str, &str); 5] = [
+/// Lines that open what is no input: a folder to be synced, a stream or a lock to be written, the
+/// system's words on a process.
+const ASKED: [(&str, &str); 4] = [
     (
         "files/atomic_file.rs",
         "let mut stream = File::options().append(true).open(path)?;",
@@ -234,10 +234,6 @@ const ASKED: [(&str, &str); 5] = [
     (
         "files/atomic_file.rs",
         "match File::open(directory)?.sync_all() {",
-    ),
-    (
-        "files/partial_file.rs",
-        "let file = File::open(path).ok()?;",
     ),
     (
         "renderers/keeper.rs",
