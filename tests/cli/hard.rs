@@ -128,7 +128,7 @@ fn early_termination_is_an_approximation_with_a_bound() {
         .skip_while(|line| !line.starts_with("approximations"));
     let said: Vec<_> = said.take(2).collect();
     insta::assert_snapshot!(format!("{kernel}\n{}", said.join("\n")), @r#"
-    kernel     ray caster: trilinear, front to back down to 0.01, unshaded, no shadow, empty-space skipping
+    kernel     ray caster, over empty space by leaps
     approximations requested
       without light behind a transmittance below 0.01: pixels are off by less than 1.000e-2  (classified.early_termination, line 9)
     "#);

@@ -169,7 +169,7 @@ point = { position = [3, 3, 3], intensity = 1 }
     insta::assert_snapshot!(section.unwrap());
     let json = folder.volref("plan idle.toml --json").json();
     let warnings = json["panels"][0]["warnings"].as_array().unwrap();
-    assert_eq!(warnings.len(), 5);
+    assert_eq!(warnings.len(), 4);
     assert_eq!(warnings[0]["field"], "radiative.scattering");
     assert_eq!(warnings[0]["line"], 9);
     let made = folder.volref("render idle.toml -o idle.exr");
@@ -178,9 +178,9 @@ point = { position = [3, 3, 3], intensity = 1 }
         .lines()
         .filter(|line| line.starts_with("note: "))
         .collect();
-    assert_eq!(notes.len(), 5);
+    assert_eq!(notes.len(), 4);
     assert!(
-        notes[0].contains("scattering has no effect: sigma_s is 0"),
+        notes[0].contains("scattering has no effect: no medium scatters"),
         "{}",
         notes[0]
     );

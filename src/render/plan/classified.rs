@@ -5,7 +5,7 @@ use super::{
     Approximation, Decision, Decisions, Effect, EffectFinding, Kernel, Method, Plan,
     RayCasterFeatures, Reason, State,
 };
-use crate::optics::{Appearance, Phong};
+use crate::optics::Phong;
 use crate::scene::{Classified, Compositing, Conventions, KeyLines, Panel};
 
 pub(super) const NO_SCATTERING: &str =
@@ -36,7 +36,7 @@ pub(super) fn plan<'s>(panel: &'s Panel, scene: &'s Classified, forced: &[Effect
 /// Contents of a classified volume, as far as its effects depend on them.
 struct Contents<'s> {
     scene: &'s Classified,
-    /// Smallest and largest density.
+    /// Smallest and largest value, which grids hold as `f32`, whose digits are the shorter ones.
     range: [f64; 2],
     /// Other conventions make something of what is provably null by volref's own: nothing is left out.
     is_conventional: bool,
@@ -69,61 +69,38 @@ impl<'s> Contents<'s> {
             is_constant,
             ..
         } = *self;
-        let [least, most] = self.shortest_range();
-        let (is_own, is_by_formula) = (!self.is_conventional, self.is_by_formula());
-        let has_colormap = matches!(
-            scene.transfer_function.appearance,
-            Appearance::Formula { .. }
-        );
+        let [least, most] = self.range.map(|value| value as f32);
+        let values = format!("values from {least} to {most}");
         findings! { effect;
             Surfaces | SurfaceShadow => absent("the classified model has no surfaces");
             Absorption | Emission if is_transparent => null(TRANSFER_FUNCTION, self.transparency());
-            Absorption if is_by_formula => matters(TRANSFER_FUNCTION, format!("densities up to {most}"));
-            Absorption => matters(TRANSFER_FUNCTION, format!("values from {least} to {most}"));
-            Emission if has_colormap => matters(TRANSFER_FUNCTION, "the colormap emits light");
-            Emission => matters(TRANSFER_FUNCTION, "the colours of the points emit light");
+            Absorption => matters(TRANSFER_FUNCTION, values);
+            Emission => matters(TRANSFER_FUNCTION, "the colours of values emit light");
             SingleScattering | MultipleScattering => absent(NO_SCATTERING);
             MediumShadow if scene.shadow.is_none() => not_asked(SHADOW);
             MediumShadow if is_transparent => null(SHADOW, self.transparency());
-            MediumShadow if is_by_formula => matters(SHADOW, "densities attenuate light");
             MediumShadow => matters(SHADOW, "opacities attenuate light");
             GradientShading if scene.phong.is_none() => not_asked(PHONG);
             GradientShading if is_transparent => null(PHONG, self.transparency());
-            GradientShading if is_constant => null(PHONG, "the density is constant: its gradient is 0");
-            GradientShading if is_own && self.has_no_gradient
+            GradientShading if self.is_conventional => matters(PHONG, "conventions say how a sample is shaded");
+            GradientShading if is_constant => null(PHONG, "the volume is constant: its gradient is 0");
+            GradientShading if self.has_no_gradient
                 => null(PHONG, "no axis has three nodes: the stored gradient is 0");
-            GradientShading if is_own && scene.phong.as_ref().is_some_and(is_identity)
+            GradientShading if scene.phong.as_ref().is_some_and(is_identity)
                 => null(PHONG, "ambient 1, diffuse 0 and specular 0 leave colours as they are");
-            GradientShading if least == most || self.has_no_gradient
-                => matters(PHONG, "samples without a gradient are shaded, too, by some conventions");
-            GradientShading => matters(PHONG, "the density has a gradient");
+            GradientShading => matters(PHONG, "the volume has a gradient");
             Heterogeneity if is_transparent => null(VOLUME, self.transparency());
             Heterogeneity if is_constant => null(VOLUME, format!("every voxel holds {most}"));
-            Heterogeneity if is_by_formula => matters(VOLUME, format!("densities from {least} to {most}"));
-            Heterogeneity => matters(VOLUME, format!("values from {least} to {most}"));
+            Heterogeneity => matters(VOLUME, values);
             ChromaticCoefficients => absent(ONE_OPACITY);
             AnisotropicPhase => absent(NO_PHASE);
         }
     }
 
-    /// True if values are densities.
-    fn is_by_formula(&self) -> bool {
-        let appearance = &self.scene.transfer_function.appearance;
-        matches!(appearance, Appearance::Formula { range: None, .. })
-    }
-
-    /// Grids hold `f32`, whose digits are the shorter ones.
-    fn shortest_range(&self) -> [f32; 2] {
-        self.range.map(|density| density as f32)
-    }
-
     /// The reason for which the whole volume is transparent.
     fn transparency(&self) -> String {
-        let [least, most] = self.shortest_range();
-        match self.is_by_formula() {
-            true => format!("every density, up to {most}, has opacity 0"),
-            false => format!("every value, from {least} to {most}, has opacity 0"),
-        }
+        let [least, most] = self.range.map(|value| value as f32);
+        format!("every value, from {least} to {most}, has opacity 0")
     }
 
     /// The kernel for the effects that are on, with the reason.

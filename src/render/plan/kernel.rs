@@ -1,7 +1,6 @@
 //! The code that renders an image, by the features that it meets.
 
-use crate::scene::{Classified, Compositing, Curve, Radiative};
-use crate::volume::Interpolation;
+use crate::scene::{Classified, Curve, Radiative};
 use std::fmt;
 
 /// The code that renders an image, and the model that it renders.
@@ -69,25 +68,6 @@ impl RayCasterFeatures {
             skip_empty: false,
         }
     }
-
-    /// The ray caster of `scene` in words.
-    fn in_words(self, scene: &Classified) -> String {
-        let field = match scene.interpolation {
-            _ if self.constant => "constant density",
-            Interpolation::Nearest => "nearest",
-            Interpolation::Trilinear => "trilinear",
-        };
-        let order = match scene.compositing {
-            Compositing::FrontToBack => "front to back".to_owned(),
-            Compositing::EarlyTermination(below) => format!("front to back down to {below}"),
-            Compositing::BackToFront => "back to front".to_owned(),
-        };
-        let shading = ["unshaded", "Phong"][usize::from(self.shading)];
-        let shadow = ["no shadow", "volume shadow"][usize::from(self.shadow)];
-        let samples = ["every sample", "empty-space skipping"][usize::from(self.skip_empty)];
-        let placed = ["", ", placed by a map"][usize::from(scene.to_world.is_some())];
-        format!("ray caster: {field}, {order}, {shading}, {shadow}, {samples}{placed}")
-    }
 }
 
 /// What the renderers of surfaces and participating media meet: what is not there, they do not look for.
@@ -122,36 +102,16 @@ impl RadiativeFeatures {
     };
 }
 
-impl fmt::Display for RadiativeFeatures {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let names = [
-            (self.surfaces, "surfaces"),
-            (self.media, "media"),
-            (self.emission, "emission"),
-            (self.chromatic, "colour"),
-            (self.anisotropic, "anisotropic phase"),
-            (self.heterogeneous, "heterogeneous"),
-        ];
-        let names: Vec<_> = names
-            .iter()
-            .filter(|(on, _)| *on)
-            .map(|(_, name)| *name)
-            .collect();
-        f.write_str(if names.is_empty() { "nothing" } else { "" })?;
-        f.write_str(&names.join(", "))
-    }
-}
-
 impl fmt::Display for Kernel<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Kernel::Curve(_) => f.write_str("plot of the transfer function"),
             Kernel::Background(_) => f.write_str("background only"),
-            Kernel::RayCaster { scene, features } => f.write_str(&features.in_words(scene)),
-            Kernel::Conventional(scene) => {
-                let words = RayCasterFeatures::asked_for(scene).in_words(scene);
-                write!(f, "{words}, other conventions")
+            Kernel::RayCaster { features, .. } => {
+                let leaps = ["", ", over empty space by leaps"][usize::from(features.skip_empty)];
+                write!(f, "ray caster{leaps}")
             }
+            Kernel::Conventional(_) => f.write_str("ray caster for other conventions"),
             Kernel::Several(scene) => {
                 write!(f, "ray caster: {} merged", scene.counted_objects())
             }
@@ -161,25 +121,11 @@ impl fmt::Display for Kernel<'_> {
                 let how = ["sampled", "exact, cell by cell"][usize::from(scene.is_exact())];
                 write!(f, "{mode} along each ray, {how}")
             }
-            Kernel::LineOfSight {
-                features, scatters, ..
-            } => {
-                let scattering = ["no scattering", "single scattering"][usize::from(*scatters)];
-                write!(f, "line of sight: {features}, {scattering}")
-            }
-            Kernel::PathTracer {
-                features,
-                max_order,
-                ..
-            } => {
-                write!(f, "path tracer: {features}, ")?;
-                match max_order {
-                    None => f.write_str("scattering of any order"),
-                    Some(0) => f.write_str("no scattering"),
-                    Some(1) => f.write_str("single scattering"),
-                    Some(order) => write!(f, "scattering up to order {order}"),
-                }
-            }
+            Kernel::LineOfSight { .. } => f.write_str("integral along the line of sight"),
+            Kernel::PathTracer { max_order, .. } => match max_order {
+                None => f.write_str("path tracer, scattering of any order"),
+                Some(order) => write!(f, "path tracer, scattering up to order {order}"),
+            },
         }
     }
 }

@@ -70,22 +70,16 @@ impl<'s> Contents<'s> {
         let (kernel, key, reason) = match (scene.scattering, self.heterogeneous.first()) {
             (_, Some(&index)) if !self.is_scattered() => {
                 let key = self.key_of(index, DENSITY);
-                match self.emission_is_integrated() {
-                    _ if !self.integrable => (
-                        path_tracer(Some(0)),
-                        key,
-                        "no scattering, but noise has no integral along a line: it is tracked",
-                    ),
+                match self.integrable {
                     true => (
                         line_of_sight,
                         key,
-                        "no scattering, and emission is integrated where its medium overlaps \
-                         another and one of them is heterogeneous",
+                        "no scattering, and every density has an integral along a line",
                     ),
                     false => (
-                        line_of_sight,
+                        path_tracer(Some(0)),
                         key,
-                        "no scattering, and every density has an integral along a line",
+                        "no scattering, but noise has no integral along a line: it is tracked",
                     ),
                 }
             }
@@ -108,25 +102,13 @@ impl<'s> Contents<'s> {
                 "single scattering from point, spot and directional lights is one integral \
                  along the line of sight",
             ),
-            _ => (path_tracer(Some(1)), asked, self.why_no_integral()),
+            _ => (
+                path_tracer(Some(1)),
+                asked,
+                "single scattering from extended lights, in heterogeneous media, past surfaces or by \
+                 mirrors is more than one integral",
+            ),
         };
         (kernel, Reason::of(key, reason, self.key_lines))
-    }
-
-    /// The reason why single scattering is more than one integral along the line of sight.
-    fn why_no_integral(&self) -> &'static str {
-        if !self.scene.area_lights.is_empty() || self.environment {
-            "single scattering from area lights or the environment is an integral over directions too"
-        } else if self.emission.is_some() {
-            "single scattering from emissive media is an integral over space too"
-        } else if !self.heterogeneous.is_empty() {
-            "single scattering in a heterogeneous medium: free flights are tracked"
-        } else if self.scattering.is_some() && !self.scene.objects.is_empty() {
-            "surfaces cast shadows into media that may be too narrow for quadrature"
-        } else if self.mesh_shades() {
-            "a mesh casts shadows into media that may be too narrow for quadrature"
-        } else {
-            "mirrors and glass reflect and refract into single directions, which quadrature misses"
-        }
     }
 }

@@ -11,10 +11,8 @@ pub(super) const SCATTERING: &str = "radiative.scattering";
 pub(super) const LIGHT: &str = "radiative.light";
 pub(super) const MAX_BOUNCES: &str = "radiative.max_bounces";
 
-/// The keys of a medium that give a property, the most specific first. Any of the coefficients.
-pub(super) const COEFFICIENTS: &[&str] = &["sigma_a", "sigma_s", "sigma_t", "albedo", "procedural"];
-pub(super) const ABSORPTION: &[&str] = &["sigma_a", "sigma_t", "procedural"];
-pub(super) const BY_ALBEDO: &[&str] = &["sigma_a", "albedo", "procedural"];
+/// The keys of a medium that give a property, the most specific first.
+pub(super) const ABSORPTION: &[&str] = &["sigma_a", "sigma_t", "albedo", "procedural"];
 pub(super) const SCATTERS: &[&str] = &["sigma_s", "albedo", "procedural"];
 pub(super) const EMISSION: &[&str] = &["emission"];
 pub(super) const PHASE: &[&str] = &Radiative::PHASE_KEYS;
@@ -35,8 +33,8 @@ pub(super) struct Contents<'s> {
     pub scattering: Option<usize>,
     /// The first medium that emits light.
     pub emission: Option<usize>,
-    /// The first medium whose coefficients differ between channels, and the keys of those.
-    pub chromatic: Option<(usize, &'static [&'static str])>,
+    /// Coefficients of a medium differ between channels.
+    pub chromatic: bool,
     /// The first medium that scatters anisotropically.
     pub anisotropic: Option<usize>,
     /// Heterogeneous media.
@@ -67,19 +65,10 @@ impl<'s> Contents<'s> {
         let attenuates = |body: &Body| any(body.medium.coefficients.sigma_t());
         let scatters = |body: &Body| any(body.medium.coefficients.sigma_s());
         let emits = |body: &Body| any(body.medium.emission);
-        let chromatic = there().find_map(|(index, body)| {
+        let is_chromatic = |body: &Body| {
             let coefficients = body.medium.coefficients;
-            let keys = match coefficients {
-                // An albedo that differs makes the absorption differ, too.
-                _ if differs(coefficients.sigma_t()) && differs(coefficients.sigma_a()) => {
-                    ABSORPTION
-                }
-                _ if differs(coefficients.sigma_a()) => BY_ALBEDO,
-                _ if differs(coefficients.sigma_s()) => SCATTERS,
-                _ => return None,
-            };
-            Some((index, keys))
-        });
+            differs(coefficients.sigma_a()) || differs(coefficients.sigma_s())
+        };
         // The density of a vacuum medium does not matter.
         let is_heterogeneous =
             |body: &Body| body.homogeneous().is_none() && (attenuates(body) || emits(body));
@@ -98,7 +87,7 @@ impl<'s> Contents<'s> {
             extinction: first(&attenuates).is_some(),
             scattering: first(&scatters),
             emission: first(&emits),
-            chromatic,
+            chromatic: there().any(|(_, body)| is_chromatic(body)),
             anisotropic: first(&|body| scatters(body) && !body.medium.phase.is_isotropic()),
             integrable: densities.into_iter().all(Density::is_integrable),
             heterogeneous,

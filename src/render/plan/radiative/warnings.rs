@@ -53,20 +53,7 @@ impl Contents<'_> {
             let message = "this medium has no effect: its density is 0 everywhere";
             return Some((at, message.to_owned()));
         }
-        let why_not = if coefficients.sigma_s() == DVec3::ZERO {
-            "this medium does not scatter"
-        } else if !self.is_scattered() {
-            "no light is scattered in this scene"
-        } else {
-            return None;
-        };
-        if body.medium.phase.is_isotropic() {
-            return None;
-        }
-        let key = self.key_of(index, &PHASE[..PHASE.len() - 1]);
-        let name = key.rsplit('.').next().unwrap_or_default();
-        let message = format!("{name} has no effect: {why_not}");
-        Some((key, message))
+        None
     }
 
     fn inverted_emitters(&self) -> Vec<Warning> {
