@@ -61,8 +61,7 @@ impl RayCaster<'_> {
     ) -> [f32; 4] {
         work.emission_terms += u64::from(number.is_some());
         let Some(number) = number else {
-            let DVec3 { x, y, z } = self.scene.background;
-            return [x, y, z, 0.0].map(|value| value as f32);
+            return Layer::EMPTY.pixel(self.scene.background);
         };
         let colour = match self.greys {
             Some(greys) => DVec3::splat(greys.position(number)),
@@ -94,8 +93,7 @@ impl RayCaster<'_> {
                 break;
             }
         }
-        let DVec3 { x, y, z } = seen.colour + self.scene.background * seen.transparency;
-        [x, y, z, seen.opacity].map(|value| value as f32)
+        seen.pixel(self.scene.background)
     }
 
     /// `colour` at the distance `t`, lit where the scene says so.

@@ -59,9 +59,10 @@ impl Layer {
         }
     }
 
-    /// Radiance of this layer in front of `background`.
-    pub fn before(&self, background: DVec3) -> DVec3 {
-        self.colour + background * self.transparency
+    /// The pixel of this layer in front of `background`: radiance, and the opacity without it.
+    pub fn pixel(&self, background: DVec3) -> [f32; 4] {
+        let DVec3 { x, y, z } = self.colour + background * self.transparency;
+        [x, y, z, self.opacity].map(|value| value as f32)
     }
 }
 

@@ -116,6 +116,14 @@ pub(super) fn rows<P: Send, S>(
     })
 }
 
+/// [`rows`] of pixels that are looked at once, without memory.
+pub(super) fn each<P: Send>(
+    pixels: &Pixels<'_>,
+    pixel: impl Fn([usize; 2], &mut Counters) -> P + Sync,
+) -> (Vec<P>, Counters) {
+    rows(pixels, || (), |position, _, (), work| pixel(position, work))
+}
+
 /// All rows, evaluated in parallel and put together. The parallel loop is a good part of a kernel's
 /// code and the same for all: behind `dyn`, at one call a row, it is compiled once for each type
 /// of pixel.

@@ -2,7 +2,7 @@
 
 use crate::conventions::{RayCaster, RayWork};
 use crate::render::counters::{Counters, Event};
-use crate::render::pixels::{Pixels, rows};
+use crate::render::pixels::{Pixels, each};
 use crate::scene::Classified;
 
 /// The pixels of `scene`.
@@ -12,16 +12,12 @@ pub(in crate::render) fn cast(
 ) -> (Vec<[f32; 4]>, Counters) {
     let size = [pixels.width, pixels.height];
     let caster = RayCaster::new(scene);
-    let (image, mut work) = rows(
-        pixels,
-        || (),
-        |position, _, (), work| {
-            let (pixel, of_ray) = caster.pixel(position, size);
-            count(of_ray, work);
-            work.count_times(Event::SurfaceTest, scene.objects.surfaces.len() as u64);
-            pixel
-        },
-    );
+    let (image, mut work) = each(pixels, |position, work| {
+        let (pixel, of_ray) = caster.pixel(position, size);
+        count(of_ray, work);
+        work.count_times(Event::SurfaceTest, scene.objects.surfaces.len() as u64);
+        pixel
+    });
     work.count_times(Event::GradientComputed, caster.gradients_computed());
     (image, work)
 }

@@ -23,7 +23,7 @@ use crate::geometry::Ray;
 use crate::math::{exp_m1, ln};
 use crate::optics::collocation::{CollocatedLight, Collocation, LocalProperties};
 use crate::render::counters::{Counters, Event};
-use crate::render::pixels::{Pixels, rows};
+use crate::render::pixels::{Pixels, each};
 use crate::scene::Classified;
 use crate::volume::{CubicSegment, GridDensity};
 use glam::DVec3;
@@ -310,19 +310,15 @@ pub(in crate::render) fn integrate(
 ) -> (Vec<BoundedPixel>, Counters) {
     let integrator = RayIntegrator::new(scene);
     let size = [pixels.width, pixels.height];
-    rows(
-        pixels,
-        || (),
-        |position, _, (), work| {
-            let integral = integrator.along(&scene.camera.ray(position, size));
-            work.count_times(Event::SurfaceTest, scene.objects.surfaces.len() as u64);
-            work.count_times(Event::CellWalked, integral.cells);
-            work.count_times(Event::DensityLookup, integral.cells);
-            work.count_times(Event::Attenuation, integral.points);
-            work.count_times(Event::EmissionTerm, integral.points);
-            (pixel(&integral.light), integral.light.radiance_error)
-        },
-    )
+    each(pixels, |position, work| {
+        let integral = integrator.along(&scene.camera.ray(position, size));
+        work.count_times(Event::SurfaceTest, scene.objects.surfaces.len() as u64);
+        work.count_times(Event::CellWalked, integral.cells);
+        work.count_times(Event::DensityLookup, integral.cells);
+        work.count_times(Event::Attenuation, integral.points);
+        work.count_times(Event::EmissionTerm, integral.points);
+        (pixel(&integral.light), integral.light.radiance_error)
+    })
 }
 
 /// Radiance of a pixel, and the opacity of the volume in front of the background.

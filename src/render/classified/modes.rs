@@ -18,7 +18,7 @@ use crate::conventions::{RayCaster, RayWork, kept};
 use crate::geometry::{Ray, Span};
 use crate::math::{Sum, exp, polynomial, sign_changes};
 use crate::render::counters::{Counters, Event};
-use crate::render::pixels::{Pixels, rows};
+use crate::render::pixels::{Pixels, each};
 use crate::scene::{Classified, Isosurface, Isosurfaces, Mode, Projected, Projection, Window};
 use crate::volume::{CubicSegment, GridDensity, PlacedBox};
 
@@ -30,18 +30,14 @@ pub(in crate::render) fn cast(
     let caster = RayCaster::new(scene);
     let exact = scene.is_exact().then(|| ExactField::new(scene));
     let size = [pixels.width, pixels.height];
-    let (image, mut work) = rows(
-        pixels,
-        || (),
-        |position, _, (), work| {
-            let (pixel, of_ray) = match &exact {
-                Some(field) => field.pixel(&caster, &scene.camera.ray(position, size), work),
-                None => caster.pixel(position, size),
-            };
-            count(of_ray, work);
-            pixel
-        },
-    );
+    let (image, mut work) = each(pixels, |position, work| {
+        let (pixel, of_ray) = match &exact {
+            Some(field) => field.pixel(&caster, &scene.camera.ray(position, size), work),
+            None => caster.pixel(position, size),
+        };
+        count(of_ray, work);
+        pixel
+    });
     work.count_times(Event::GradientComputed, caster.gradients_computed());
     (image, work)
 }

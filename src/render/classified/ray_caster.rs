@@ -12,7 +12,7 @@ use crate::geometry::{Direction, Ray, Span, length_of};
 use crate::math::exp;
 use crate::optics::{Appearance, Layer, Phong, over_length, over_lengths};
 use crate::render::counters::{Counters, Event};
-use crate::render::pixels::{Pixels, rows};
+use crate::render::pixels::{Pixels, each};
 use crate::render::plan::RayCasterFeatures;
 use crate::scene::{Classified, Compositing, Shadow};
 use crate::volume::{Cell, Grid, NodeLine, NodePoint, PlacedBox};
@@ -26,15 +26,11 @@ pub(in crate::render) fn cast(
 ) -> (Vec<[f32; 4]>, Counters) {
     let caster = RayCaster::new(scene, features);
     let size = [pixels.width, pixels.height];
-    let (image, mut work) = rows(
-        pixels,
-        || (),
-        |pixel, _, (), work| {
-            let layers = caster.layers(&scene.camera.ray(pixel, size), work);
-            let radiance = layers.before(scene.background);
-            [radiance.x, radiance.y, radiance.z, layers.opacity].map(|value| value as f32)
-        },
-    );
+    let (image, mut work) = each(pixels, |pixel, work| {
+        caster
+            .layers(&scene.camera.ray(pixel, size), work)
+            .pixel(scene.background)
+    });
     if caster.shading.is_some() {
         let nodes = scene.grid.lattice().node_count() as u64;
         work.count_times(Event::GradientComputed, nodes);

@@ -19,7 +19,7 @@ use crate::geometry::{Direction, Hit, Ray, Span, Surface as _, length_of};
 use crate::math::{exp, exp_m1, ln_1p};
 use crate::optics::{Appearance, Layer};
 use crate::render::counters::{Counters, Event};
-use crate::render::pixels::{Pixels, rows};
+use crate::render::pixels::{Pixels, each};
 use crate::scene::{Classified, Fault, Kept, Modulation, OpaqueSurface};
 use crate::volume::{Cell, Grid, NodeLine, PlacedBox};
 use glam::DVec3;
@@ -32,15 +32,11 @@ pub(in crate::render) fn cast(
 ) -> (Vec<[f32; 4]>, Counters) {
     let caster = Caster::new(Cow::Borrowed(scene));
     let size = [pixels.width, pixels.height];
-    let (image, mut work) = rows(
-        pixels,
-        || (),
-        |position, _, (), work| {
-            let layers = caster.layers(&scene.camera.ray(position, size), work);
-            let radiance = layers.before(scene.background);
-            [radiance.x, radiance.y, radiance.z, layers.opacity].map(|value| value as f32)
-        },
-    );
+    let (image, mut work) = each(pixels, |pixel, work| {
+        caster
+            .layers(&scene.camera.ray(pixel, size), work)
+            .pixel(scene.background)
+    });
     work.count_times(Event::GradientComputed, gradients_computed(scene));
     (image, work)
 }

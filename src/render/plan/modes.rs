@@ -9,7 +9,6 @@ use crate::scene::{
 };
 
 const MODE: &str = "classified.mode";
-const ATTENUATION: &str = "classified.attenuation";
 const SURFACES: &str = "classified.isosurface[0]";
 const WINDOW: &str = "classified.window";
 
@@ -20,20 +19,15 @@ pub(super) fn plan<'s>(panel: &'s Panel, scene: &'s Classified, forced: &[Effect
     let is_seen = Effect::ALL
         .into_iter()
         .any(|effect| decisions.is_on(effect));
-    let clipped = match scene.objects.clips.len() {
-        0 => String::new(),
-        1 => ", within what 1 clip keeps".to_owned(),
-        count => format!(", within what {count} clips keep"),
-    };
     let (kernel, method, key, reason) = if !is_seen {
         let kernel = Kernel::Background(scene);
         (kernel, Method::Background, SURFACES, unseen(scene))
     } else if scene.is_exact() {
-        let reason = format!("exact values are asked for, without samples{clipped}");
+        let reason = "exact values are asked for, without samples".to_owned();
         let kernel = Kernel::Field(scene);
         (kernel, Method::ClosedForm, COMPOSITING, reason)
     } else {
-        let reason = format!("the field is sampled one step apart{clipped}");
+        let reason = "the field is sampled one step apart".to_owned();
         let kernel = Kernel::Field(scene);
         (kernel, Method::RayCasting, "classified.step", reason)
     };
@@ -49,8 +43,8 @@ pub(super) fn plan<'s>(panel: &'s Panel, scene: &'s Classified, forced: &[Effect
 fn finding(scene: &Classified, effect: Effect) -> EffectFinding {
     let (least, most) = scene.grid.range();
     let values = format!("values from {} to {}", least as f32, most as f32);
-    let (has_surfaces, is_unseen, attenuates) = match &scene.mode {
-        Mode::Isosurfaces(surfaces) => (true, surfaces.are_unseen_between(least, most), false),
+    let (has_surfaces, is_unseen, absorbs) = match &scene.mode {
+        Mode::Isosurfaces(surfaces) => (true, surfaces.are_unseen_between(least, most), true),
         Mode::Projection(it) => (
             false,
             false,
@@ -63,8 +57,7 @@ fn finding(scene: &Classified, effect: Effect) -> EffectFinding {
             => absent("isosurfaces are values of the field: none stands beside it");
         Surfaces | SurfaceShadow => absent("a projection shows no surfaces");
         Absorption | Emission | Heterogeneity if is_unseen => null(SURFACES, unseen(scene));
-        Absorption if has_surfaces => matters(SURFACES, "surfaces hide what is behind them");
-        Absorption if attenuates => matters(ATTENUATION, "values attenuate those behind");
+        Absorption if absorbs => matters(MODE, "surfaces or values attenuate what is behind them");
         Absorption => absent("a projection absorbs nothing");
         Emission => matters(MODE, "values and surfaces have colours");
         GradientShading if !has_surfaces => absent("a projection has no normal");

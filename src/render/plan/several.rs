@@ -18,24 +18,27 @@ pub(super) fn plan<'s>(panel: &'s Panel, scene: &'s Classified, forced: &[Effect
     let key_lines = &panel.key_lines;
     let decisions = Decisions::new(|effect| finding(scene, effect), forced, key_lines);
     let objects = scene.counted_objects();
-    let is_common = scene.conventions.common_steps && scene.volume_count() > 1;
-    let reason = match () {
-        _ if scene.is_continuous() => "are integrated along each ray, without samples".to_owned(),
-        _ if scene.is_merged() => {
-            "are merged along each ray, their samples each one step apart".to_owned()
-        }
-        _ if is_common => {
-            let (_, step) = scene.common_box_and_step();
-            format!("are sampled by common steps of {step}, the shortest, one over the next")
-        }
-        _ => "are composited along each ray by other conventions".to_owned(),
-    };
-    let (kernel, method) = if scene.is_continuous() {
-        (Kernel::Integral(scene), Method::Quadrature)
+    let (kernel, method, reason) = if scene.is_continuous() {
+        let kernel = Kernel::Integral(scene);
+        (
+            kernel,
+            Method::Quadrature,
+            "are integrated along each ray, without samples",
+        )
     } else if scene.is_merged() {
-        (Kernel::Several(scene), Method::RayCasting)
+        let kernel = Kernel::Several(scene);
+        (
+            kernel,
+            Method::RayCasting,
+            "are merged along each ray, their samples each one step apart",
+        )
     } else {
-        (Kernel::Conventional(scene), Method::RayCasting)
+        let kernel = Kernel::Conventional(scene);
+        (
+            kernel,
+            Method::RayCasting,
+            "are composited along each ray by other conventions",
+        )
     };
     let why = Reason::of(VOLUME, format!("{objects} {reason}"), key_lines);
     Plan {
