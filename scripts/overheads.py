@@ -23,13 +23,8 @@ VOLREF = os.environ.get("VOLREF", str(ROOT / "target/release/volref"))
 STUDENT = "python3 scripts/peers/student.py"
 DRAWN = ["figures/figure-1", "figures/figure-2", "figures/figure-3", "figures/figure-4",
          "scenes/maximum", "scenes/maximum-exact", "scenes/mean", "scenes/minimum-exact"]
-SCENE = """[film]
-width = 8
-height = 8
-[camera]
-eye = [0, 0, -4]
-target = [0, 0, 0]
-vertical_fov = 40
+SCENE = """film = {{ width = 8, height = 8 }}
+camera = {{ eye = [0, 0, -4], target = [0, 0, 0], vertical_fov = 40 }}
 [radiative]
 scattering = "none"
 environment = 1

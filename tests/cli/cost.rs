@@ -5,14 +5,8 @@ use serde_json::Value;
 
 /// A cloud that is rendered in no time: a grid of nine nodes a side, unlit.
 const CLOUD: &str = "\
-[film]
-width = 8
-height = 8
-
-[camera]
-eye = [0.5, 0.5, -2]
-target = [0.5, 0.5, 0.5]
-vertical_fov = 25
+film = { width = 8, height = 8 }
+camera = { eye = [0.5, 0.5, -2], target = [0.5, 0.5, 0.5], vertical_fov = 25 }
 
 [transfer_function]
 reference_length = 0.1

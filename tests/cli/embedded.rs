@@ -83,28 +83,19 @@ fn an_empty_folder_is_enough() {
     run.expect(2, "figure-9.toml … cannot read");
 }
 
-/// A run with these variables of the environment.
-fn with(folder: &Folder, variables: &[(&str, &str)], arguments: &[&str]) -> Run {
-    let mut command = folder.command(arguments);
-    for (name, value) in variables {
-        command.env(name, folder.path(value));
-    }
-    Run::of(command.output().unwrap())
-}
-
 #[test]
 fn it_is_kept_and_never_changed() {
     let folder = Folder::new();
     let cached = [("VOLREF_CACHE", "cache")];
     let arguments = ["verify", "figure-2"];
-    with(&folder, &cached, &arguments).expect(0, "");
+    folder.run_with(&cached, &arguments).expect(0, "");
     let files = folder.files();
     let golden = files
         .keys()
         .find(|name| name.ends_with("golden/figures/figure-2.exr"));
     let golden = golden.expect("it is unpacked").clone();
     folder.write(&golden, "damaged");
-    with(&folder, &cached, &arguments).expect(0, "");
+    folder.run_with(&cached, &arguments).expect(0, "");
     assert!(folder.read(&golden) == files[&golden]);
 
     let run = folder.volref("accept figure-2 --reason none");
@@ -137,7 +128,7 @@ fn without_a_place_to_keep_it() {
     let verify = ["verify", "figure-2"];
     let with_temporary = |place| {
         let variables = [("VOLREF_CACHE", "file/cache"), ("TMPDIR", place)];
-        with(&folder, &variables, &verify)
+        folder.run_with(&variables, &verify)
     };
     with_temporary("temporary").expect(0, "");
     assert!(folder.path("temporary/volref/suite").is_dir());
@@ -145,7 +136,7 @@ fn without_a_place_to_keep_it() {
     with_temporary("file").expect(2, words);
     // Whoever names a suite needs none.
     let suite = Folder::with_suite();
-    let run = with(&suite, &[("TMPDIR", "nowhere")], &["list", "smoke"]);
+    let run = suite.run_with(&[("TMPDIR", "nowhere")], &["list", "smoke"]);
     prints(&run, &["smoke/plain"]);
     // The user's own folder for caches.
     let mut command = folder.command(&verify[..]);

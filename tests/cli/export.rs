@@ -3,13 +3,8 @@
 use crate::folder::{Folder, assert_holds, assert_shown};
 
 const SCENE: &str = "\
-[film]
-width = 4
-height = 3
-
-[camera]
-eye = [0, 1, -6]
-target = [0, 1, 0]
+film = { width = 4, height = 3 }
+camera = { eye = [0, 1, -6], target = [0, 1, 0] }
 
 [radiative]
 environment = 1

@@ -187,6 +187,15 @@ impl Folder {
         command
     }
 
+    /// A run with these variables of the environment, which name files of the folder.
+    pub fn run_with(&self, variables: &[(&str, &str)], arguments: &[&str]) -> Run {
+        let mut command = self.command(arguments);
+        for (name, value) in variables {
+            command.env(name, self.path(value));
+        }
+        Run::of(command.output().unwrap())
+    }
+
     /// Runs the command in the folder.
     pub fn volref(&self, arguments: impl Arguments) -> Run {
         Run::of(self.command(arguments).output().unwrap())

@@ -5,15 +5,8 @@ use crate::folder::{Folder, MANIFEST, assert_shown};
 /// A fog that lets e^(−1), e^(−2) and e^(−3) through, in every pixel: its box has the eye inside and
 /// the far face as far away in all directions as a narrow view can tell.
 const FOG: &str = "\
-[film]
-width = 8
-height = 8
-
-[camera]
-eye = [0, 0, 0]
-target = [0, 0, 1]
-up = [0, 1, 0]
-vertical_fov = 0.001
+film = { width = 8, height = 8 }
+camera = { eye = [0, 0, 0], target = [0, 0, 1], up = [0, 1, 0], vertical_fov = 0.001 }
 
 [radiative]
 scattering = \"none\"

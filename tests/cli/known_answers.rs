@@ -4,15 +4,8 @@ use crate::folder::{Folder, MANIFEST};
 
 /// A ball of absorbing fog with the eye in its middle: e^(−1), e^(−2) and e^(−3) in every pixel.
 const BALL: &str = "\
-[film]
-width = 8
-height = 8
-
-[camera]
-eye = [0, 0, 0]
-target = [0, 0, 1]
-up = [0, 1, 0]
-vertical_fov = 40
+film = { width = 8, height = 8 }
+camera = { eye = [0, 0, 0], target = [0, 0, 1], up = [0, 1, 0], vertical_fov = 40 }
 
 [radiative]
 environment = 1

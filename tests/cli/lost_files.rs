@@ -4,15 +4,6 @@ use crate::folder::{Folder, Run, scene};
 use std::fs;
 use std::os::unix::fs::symlink;
 
-/// Runs a command with these variables of the environment, which name files of the folder.
-fn with(folder: &Folder, variables: &[(&str, &str)], arguments: &[&str]) -> Run {
-    let mut command = folder.command(arguments);
-    for (name, value) in variables {
-        command.env(name, folder.path(value));
-    }
-    Run::of(command.output().unwrap())
-}
-
 /// Goldens are known by their provenance, in whatever folder they are.
 #[test]
 fn goldens_of_no_suite_stay() {
@@ -116,7 +107,9 @@ fn links_within_the_cache_are_not_followed() {
     }
     symlink("../mine", folder.path("cache/suite")).unwrap();
     let variables = [("VOLREF_CACHE", "cache"), ("TMPDIR", "temporary")];
-    with(&folder, &variables, &["list", "figures"]).expect(0, "");
+    folder
+        .run_with(&variables, &["list", "figures"])
+        .expect(0, "");
     assert_eq!(fs::read_dir(folder.path("mine")).unwrap().count(), 0);
 }
 

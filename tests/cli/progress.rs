@@ -42,12 +42,8 @@ fn said(mut command: Command, parts: &[&str]) -> String {
 }
 
 const FOG: &str = "\
-[film]
-width = 64
-height = 64
-[camera]
-eye = [0, 0, -3]
-target = [0, 0, 0]
+film = { width = 64, height = 64 }
+camera = { eye = [0, 0, -3], target = [0, 0, 0] }
 [radiative]
 environment = 1
 [[radiative.medium]]

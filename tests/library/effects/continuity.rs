@@ -37,13 +37,8 @@ fn fades_in(what: &str, slope: f64, scene: impl Fn(f64) -> String) {
 }
 
 const HEAD: &str = "\
-[film]
-width = 6
-height = 5
-[camera]
-eye = [0.35, 0.4, -2.2]
-target = [0.12, 0.1, 0.1]
-vertical_fov = 34
+film = { width = 6, height = 5 }
+camera = { eye = [0.35, 0.4, -2.2], target = [0.12, 0.1, 0.1], vertical_fov = 34 }
 [sampling]
 samples = 16
 seed = 3
