@@ -220,9 +220,9 @@ fn grids_alone() {
 #[test]
 fn a_camera_by_a_matrix() {
     let folder = folder();
-    let camera = "matrix = [[0, 0, 1, 6], [0, 1, 0, 1], [-1, 0, 0, 2], [0, 0, 0, 1]]\nfl_x = 5\nfl_y = 5\n\
-                  cx = 1\ncy = 1.5\n";
-    folder.edit("fog.toml", "eye = [0, 1, -6]\ntarget = [0, 1, 0]\n", camera);
+    let camera = "matrix = [[0, 0, 1, 6], [0, 1, 0, 1], [-1, 0, 0, 2], [0, 0, 0, 1]], fl_x = 5, fl_y = 5, \
+                  cx = 1, cy = 1.5";
+    folder.edit("fog.toml", "eye = [0, 1, -6], target = [0, 1, 0]", camera);
     let export = |format: &str| folder.volref(&["export", "fog.toml", "--to", format, "-o", "out"]);
     assert_eq!(export("mitsuba").code, 0);
     assert_holds(
