@@ -15,7 +15,6 @@ mod gallery;
 mod help;
 mod info;
 mod interrupt;
-mod keep;
 mod kept;
 mod known;
 mod list;
@@ -80,8 +79,6 @@ enum Command {
     Suite(suite_command::Arguments),
     Schema(schema::Arguments),
     Completions(completions::Arguments),
-    #[command(name = keep::NAME, hide = true)]
-    Keep(keep::Arguments),
 }
 
 /// The outcome of a command that succeeded.
@@ -123,11 +120,7 @@ fn run() -> Exit {
             return exit;
         }
     };
-    let started = match arguments.command {
-        Command::Keep(_) => Ok(()),
-        _ => threads::start(),
-    };
-    if let Err(failure) = started {
+    if let Err(failure) = threads::start() {
         output::print_error(&failure);
         return failure.exit;
     }
@@ -149,7 +142,6 @@ fn run() -> Exit {
         Command::Suite(arguments) => suite_command::run(arguments),
         Command::Schema(arguments) => Ok(schema::run(arguments)),
         Command::Completions(arguments) => Ok(completions::run(arguments)),
-        Command::Keep(arguments) => Ok(keep::run(arguments)),
     };
     match result {
         Ok(outcome) => {

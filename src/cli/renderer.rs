@@ -1,7 +1,6 @@
 //! Options of the renderer that `volref validate --run` calls, or `--serve` starts.
 
 use super::failure::{Exit, Failure, bad_input};
-use super::keep::keeper;
 use crate::renderers::{
     CallSettings, CommandTemplate, OtherRenderer, RendererOptions, hashes_of_files,
 };
@@ -79,7 +78,6 @@ impl RendererArguments {
             format: self.format.clone(),
             timeout: Duration::from_secs_f64(self.timeout),
             keep,
-            keeper: keeper(command.stays),
         };
         OtherRenderer::new(options).map_err(bad_input)
     }

@@ -3,7 +3,7 @@
 use super::call::{Call, not_run, shown};
 use super::kept_images::files_in;
 use super::process::run;
-use super::{CallSettings, CommandTemplate, Keeper, KeptImages, StayingRenderers};
+use super::{CallSettings, CommandTemplate, KeptImages, StayingRenderers};
 use crate::files::atomic_file::directory_of;
 use crate::files::{own_file, regular_file};
 use crate::film::Film;
@@ -28,8 +28,6 @@ pub(crate) struct RendererOptions {
     pub timeout: Duration,
     /// Folder in which images are kept, and the names of all cases of the suite.
     pub keep: Option<(PathBuf, Vec<String>)>,
-    /// Keeper of its processes.
-    pub keeper: Option<Keeper>,
 }
 
 /// Another renderer.
@@ -90,7 +88,7 @@ impl OtherRenderer {
             .map_err(|error: std::io::Error| error.to_string())?;
         let staying = options.stays.then(|| {
             let words = options.template.words_alone();
-            StayingRenderers::new(words, options.timeout, options.keeper.clone())
+            StayingRenderers::new(words, options.timeout)
         });
         Ok(OtherRenderer {
             options,
@@ -148,7 +146,7 @@ impl OtherRenderer {
                 None => {
                     calls.push(shell_words::join(call.words(&seen, halvings)));
                     let words = call.words(&output, halvings);
-                    run(&words, options.timeout, options.keeper.as_ref())
+                    run(&words, options.timeout)
                 }
             };
             printed.push_str(&called.printed);

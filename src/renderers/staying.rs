@@ -4,15 +4,14 @@
 //! there is output like that on standard error. A renderer that ended, did not answer in time or answered otherwise is
 //! ended with all that it started, and another is started for the next image.
 
-use super::keeper::{Keeper, Kept, LEAVE};
 use super::printed::{plain, quoted_words};
 use super::process::{
-    Called, LISTEN, MOST_LINE, PAUSE, Process, counted, failure_of, is_stopped,
-    not_started_in_words, reach, remnants,
+    Called, ENDED_WITH_VOLREF, LISTEN, MOST_LINE, PAUSE, Process, counted, failure_of, is_stopped,
 };
 use crate::suite::{NOT_RENDERED, Output};
 use serde::Deserialize;
 use std::fmt::Display;
+use std::io::Write;
 use std::sync::mpsc::{RecvTimeoutError, TryRecvError};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
@@ -22,10 +21,12 @@ use std::time::{Duration, Instant};
 pub(crate) struct StayingRenderers {
     words: Vec<String>,
     timeout: Duration,
-    keeper: Option<Keeper>,
     /// Renderers that nobody asks.
     idle: Arc<Mutex<Vec<Process>>>,
 }
+
+/// Longest time that a renderer may take to leave when its requests end.
+const LEAVE: Duration = Duration::from_secs(1);
 
 /// A line of an answer.
 #[derive(Debug, Default, Deserialize)]
@@ -41,11 +42,10 @@ struct Answer {
 
 impl StayingRenderers {
     /// Renderers that `words` start, each when it is first needed.
-    pub fn new(words: Vec<String>, timeout: Duration, keeper: Option<Keeper>) -> StayingRenderers {
+    pub fn new(words: Vec<String>, timeout: Duration) -> StayingRenderers {
         StayingRenderers {
             words,
             timeout,
-            keeper,
             idle: Arc::default(),
         }
     }
@@ -71,92 +71,46 @@ impl StayingRenderers {
 
     /// Asks a renderer for the image that `request` says, to be written at `output`.
     pub(super) fn ask(&self, request: &str, output: &str) -> Called {
-        counted(&self.words, || self.asked(request, output))
-    }
-
-    fn asked(&self, request: &str, output: &str) -> Result<Called, String> {
-        let mut notes = Vec::new();
-        let mut renderer = self.ready(&mut notes)?;
-        let one_line = |words: &str| plain(&words.replace('\n', " "));
-        let answer = answer(&mut renderer, request, self.timeout);
-        let fault = match answer.map(|it| (it.image, it.error, it.cannot)) {
-            Ok((Some(image), None, None)) if image == output => {
-                return Ok(self.answered(renderer, None, notes));
-            }
-            Ok((None, Some(words), None)) => {
-                let reason = format!("the renderer failed: {}", one_line(&words));
-                return Ok(self.answered(renderer, Some(Output::Unusable(reason)), notes));
-            }
-            Ok((None, None, Some(words))) => {
-                let reason = format!("{NOT_RENDERED}{}", one_line(&words));
-                return Ok(self.answered(renderer, Some(Output::Missing(reason)), notes));
-            }
-            Ok((Some(image), None, None)) => {
-                let image = one_line(&image);
-                wrong(format!(
-                    "answered with the image {image}, and was asked for {output}"
-                ))
-            }
-            Ok(_) => wrong("answered with none or several of image, error and cannot"),
-            Err(fault) => fault,
-        };
-        let printed = renderer.printed.clone();
-        let ended = renderer.end(LEAVE);
-        let printed = printed.take(LISTEN);
-        let reason = match ended {
-            Err(error) => not_started_in_words(&self.words[0], &error),
-            Ok(kept) => {
-                notes.extend(remnants(&kept, fault.is_none()));
-                let by_itself = || {
-                    failure_of(&kept).unwrap_or_else(|| {
-                        "the renderer ended before it answered: one that stays reads requests to the end of its \
-                         standard input"
-                            .to_owned()
-                    })
-                };
-                fault.unwrap_or_else(by_itself)
-            }
-        };
-        Ok(Called {
-            failure: Some(Output::Unusable(reason + &quoted_words(&printed))),
-            notes,
-            printed,
+        counted(|| {
+            let mut notes = Vec::new();
+            let mut renderer = self.ready(&mut notes)?;
+            let (failure, printed) = match answer(&mut renderer, request, output, self.timeout) {
+                Ok(failure) => {
+                    let printed = renderer.printed.take(Duration::ZERO);
+                    self.idle().push(renderer);
+                    (failure, printed)
+                }
+                Err(fault) => {
+                    let printed = renderer.printed.clone();
+                    let status = renderer.end(LEAVE)?;
+                    let by_itself = || failure_of(status).unwrap_or_else(|| ENDED_EARLY.to_owned());
+                    let reason = fault.unwrap_or_else(by_itself);
+                    (Some(Output::Unusable(reason)), printed.take(LISTEN))
+                }
+            };
+            let failure = failure.map(|failure| match failure {
+                Output::Unusable(reason) => Output::Unusable(reason + &quoted_words(&printed)),
+                other => other,
+            });
+            Ok(Called {
+                failure,
+                notes,
+                printed,
+            })
         })
-    }
-
-    /// The outcome of a request that was answered. The renderer is put back for another image.
-    fn answered(&self, renderer: Process, failure: Option<Output>, notes: Vec<String>) -> Called {
-        let printed = renderer.printed.take(Duration::ZERO);
-        self.idle().push(renderer);
-        let failure = failure.map(|failure| match failure {
-            Output::Unusable(reason) => Output::Unusable(reason + &quoted_words(&printed)),
-            other => other,
-        });
-        Called {
-            failure,
-            notes,
-            printed,
-        }
     }
 
     /// A renderer that waits for a request: one that stayed, or else a new one.
     fn ready(&self, notes: &mut Vec<String>) -> Result<Process, String> {
-        if is_stopped() {
-            return Err("volref is ending".to_owned());
-        }
         loop {
-            let Some(mut staying) = self.idle().pop() else {
-                return Process::start(&self.words, self.keeper.as_ref(), true);
+            let idle = self.idle().pop();
+            let Some(staying) = idle.filter(|_| !is_stopped()) else {
+                return Process::start(&self.words, true);
             };
             let fault = match staying.lines.try_recv() {
                 Err(TryRecvError::Empty) => return Ok(staying),
-                Ok(line) if !is_report(&line) => {
-                    format!("answered without being asked: {}", plain(&line))
-                }
-                other => {
-                    staying.last = other.unwrap_or_default();
-                    "ended after its last image".to_owned()
-                }
+                Ok(line) => format!("answered without being asked: {}", plain(&line)),
+                Err(TryRecvError::Disconnected) => "ended after its last image".to_owned(),
             };
             let _ = staying.end(LEAVE);
             notes.push(format!("the renderer {fault}; it was started again"));
@@ -168,15 +122,21 @@ impl StayingRenderers {
     }
 }
 
-/// The answer of `renderer` to `request`; else why there is no right one, `None` of a renderer that ended.
+/// Reason where a renderer succeeded and did not answer.
+const ENDED_EARLY: &str = "the renderer ended before it answered: one that stays reads requests to the end of its \
+                           standard input";
+
+/// The answer of `renderer` to `request`, with the output where there is no image; else why there is no right answer,
+/// `None` of a renderer that ended.
 fn answer(
     renderer: &mut Process,
     request: &str,
+    output: &str,
     timeout: Duration,
-) -> Result<Answer, Option<String>> {
-    if let Some(requests) = &renderer.requests {
+) -> Result<Option<Output>, Option<String>> {
+    if let Some(requests) = &mut renderer.requests {
         // Who has ended says so by its lines.
-        let _ = requests.send(format!("{request}\n").into_bytes());
+        let _ = writeln!(requests, "{request}");
     }
     let start = Instant::now();
     let line = loop {
@@ -185,43 +145,48 @@ fn answer(
             Ok(line) => break line,
             Err(RecvTimeoutError::Disconnected) => return Err(None),
             Err(RecvTimeoutError::Timeout) if is_stopped() => {
-                return Err(Some("the renderer was ended with volref".to_owned()));
+                return Err(Some(ENDED_WITH_VOLREF.to_owned()));
             }
             Err(RecvTimeoutError::Timeout) if left.is_zero() => {
                 return Err(Some(format!(
-                    "the renderer did not answer within {} s and was ended, {}; an answer ends with a newline, \
+                    "the renderer did not answer within {} s and was ended; an answer ends with a newline, \
                      and is flushed",
                     timeout.as_secs_f64(),
-                    reach(renderer.has_keeper),
                 )));
             }
             Err(RecvTimeoutError::Timeout) => {}
         }
     };
-    if renderer.has_keeper && is_report(&line) {
-        renderer.last = line;
-        return Err(None);
-    }
     if line.len() >= MOST_LINE {
         let most = MOST_LINE / 1024;
-        return Err(wrong(format!(
+        return wrong(format!(
             "answered with a line that is longer than {most} KiB"
-        )));
+        ));
     }
-    serde_json::from_str(&line).map_err(|error| {
-        let line = plain(&line);
-        wrong(format!(
-            "gave an answer that cannot be read ({error}): {line}"
-        ))
-    })
+    let one_line = |words: &str| plain(&words.replace('\n', " "));
+    match serde_json::from_str(&line).map(|it: Answer| (it.image, it.error, it.cannot)) {
+        Ok((Some(image), None, None)) if image == output => Ok(None),
+        Ok((Some(image), None, None)) => wrong(format!(
+            "answered with the image {}, and was asked for {output}",
+            one_line(&image)
+        )),
+        Ok((None, Some(words), None)) => Ok(Some(Output::Unusable(format!(
+            "the renderer failed: {}",
+            one_line(&words)
+        )))),
+        Ok((None, None, Some(words))) => Ok(Some(Output::Missing(format!(
+            "{NOT_RENDERED}{}",
+            one_line(&words)
+        )))),
+        Ok(_) => wrong("answered with none or several of image, error and cannot"),
+        Err(error) => wrong(format!(
+            "gave an answer that cannot be read ({error}): {}",
+            plain(&line)
+        )),
+    }
 }
 
-/// Words on a renderer that is ended for what it did.
-fn wrong(fault: impl Display) -> Option<String> {
-    Some(format!("the renderer {fault}; it was ended"))
-}
-
-/// True of a line that may be the report of a keeper.
-fn is_report(line: &str) -> bool {
-    serde_json::from_str::<Kept>(line).is_ok()
+/// A renderer that is ended for what it did.
+fn wrong<T>(fault: impl Display) -> Result<T, Option<String>> {
+    Err(Some(format!("the renderer {fault}; it was ended")))
 }

