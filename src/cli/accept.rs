@@ -13,7 +13,7 @@ use crate::naming::Likenesses;
 use crate::report::Page;
 use crate::runs;
 use crate::runs::{AcceptError, AcceptRequest, Accepted, Change};
-use crate::suite::{Case, CasesOfScene, Draft, Golden, Store, StoreError, Suite};
+use crate::suite::{Case, CasesOfScene, Draft, Golden, Store, Suite};
 use serde_json::json;
 use std::path::Path;
 
@@ -116,12 +116,8 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
 }
 
 fn failure(error: AcceptError) -> Failure {
-    let exit = match error {
-        AcceptError::Store(StoreError::Journal { .. } | StoreError::Lost { .. }) => Exit::Golden,
-        _ => Exit::BadInput,
-    };
     Failure {
-        exit,
+        exit: Exit::BadInput,
         report: error.into(),
     }
 }

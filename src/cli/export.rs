@@ -4,7 +4,8 @@ use super::Outcome;
 use super::failure::{Exit, Failure};
 use super::output::{self, Json};
 use super::suite::named_scene;
-use crate::exchange::{self, Export, ExportFault, Format, Refusal};
+
+use crate::exchange::{self, Export, Format, Refusal};
 use crate::files::regular_file;
 use crate::film::CHANNELS;
 use crate::geometry::Transform;
@@ -120,13 +121,7 @@ fn check_no_other(export: &Export, folder: &Path, scene: &Path) -> Result<(), Fa
 
 impl From<Refusal> for Failure {
     fn from(refusal: Refusal) -> Failure {
-        // Nothing of a scene of another model could be removed.
-        let is_model =
-            |fault: &ExportFault| ["classified", "curve", "radiative"].contains(&&*fault.key);
-        let help = match refusal.faults.iter().any(is_model) {
-            true => "nothing was written",
-            false => "nothing was written; remove these features from the scene or replace them",
-        };
+        let help = "nothing was written; remove these features from the scene or replace them";
         Failure::new(Exit::BadInput, refusal.to_string(), Some(help))
     }
 }

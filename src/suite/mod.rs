@@ -28,4 +28,4 @@ pub(crate) use outline::CORE;
 pub use outputs::{Found, Output, OutputError, Outputs, UnknownFile, image_path};
 pub(crate) use outputs::{NOT_RENDERED, entries, refusal, step_name};
 pub(crate) use sensitivities::sensitivities_of;
-pub use store::{Disk, RealDisk, Store, StoreError, StoreFailure};
+pub use store::{Store, StoreError};

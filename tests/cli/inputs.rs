@@ -221,12 +221,6 @@ fn pipes_and_devices_are_not_waited_for() {
             "golden/smoke/plain.toml",
             "validate smoke/plain --outputs images",
         ),
-        ("golden/accept.journal", "verify smoke/plain"),
-        ("golden/accept.journal", "accept smoke/plain --reason again"),
-        (
-            "golden/.accept.journal.new",
-            "accept smoke/plain --reason again",
-        ),
         ("golden/.lock", "accept smoke/plain --reason again"),
         ("fixtures/cases/smoke/plain.toml", "list"),
         ("fixtures/cases/smoke/plain.toml", "verify smoke/plain"),

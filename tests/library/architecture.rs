@@ -234,7 +234,7 @@ const ASKED: [(&str, &str); 3] = [
         "files/atomic_file.rs",
         "match File::open(directory)?.sync_all() {",
     ),
-    ("suite/store.rs", "let opened = File::options()"),
+    ("suite/store.rs", "let mut options = File::options();"),
 ];
 
 /// The lines of `text` that open a file unasked, up to its tests.

@@ -96,20 +96,6 @@ fn golden(ending: &str) -> Vec<Vec<u8>> {
     vec![suite.read(&format!("golden/smoke/plain{ending}"))]
 }
 
-fn journals() -> Vec<Vec<u8>> {
-    let heading = "volref accept journal 2: completed by the next `volref accept`, do not edit";
-    let hash = "0123456789abcdef".repeat(4);
-    let entry = |name: &str| {
-        format!("    {{\n      \"name\": \"{name}\",\n      \"hash\": \"{hash}\"\n    }}")
-    };
-    let entries = [entry("smoke/plain.exr"), entry("smoke/plain.toml")].join(",\n");
-    let start = format!("{{\n  \"heading\": \"{heading}\",\n  \"tag\": \"1-2\",\n  \"entries\": ");
-    vec![
-        format!("{start}[\n{entries}\n  ]\n}}\n").into_bytes(),
-        format!("{start}[]\n}}\n").into_bytes(),
-    ]
-}
-
 fn any(seeds: &[Vec<u8>], mutator: &mut Mutator) -> Vec<u8> {
     mutator.mutant(seeds)
 }
@@ -377,7 +363,6 @@ pub const KINDS: &[Kind] = &[
     },
     results!("results", kept::RESULTS),
     results!("trials", kept::TRIALS),
-    golden!("journal", "golden/accept.journal", journals(), any),
     Kind {
         name: "procedural",
         seeds: |_| files(&["fuzz/corpus/procedural_xml"], ".xml"),
