@@ -2,18 +2,12 @@
 
 use super::failure::{Exit, Failure};
 use super::output::{self, Json};
-use super::page::ReportPage;
 use super::partition::PartitionArgument;
 use super::suite::Selection;
 use super::{Outcome, progress};
-use crate::compare::{Gate, Picture};
-use crate::film::Film;
-use crate::judging::{CaseResult, Cause, Evidence, Verdict};
-use crate::naming::Likenesses;
-use crate::report::Page;
 use crate::runs;
 use crate::runs::{AcceptError, AcceptRequest, Accepted, Change};
-use crate::suite::{Case, CasesOfScene, Draft, Golden, Store, Suite};
+use crate::suite::{CasesOfScene, Draft, Suite};
 use serde_json::json;
 use std::path::Path;
 
@@ -38,8 +32,6 @@ pub struct Arguments {
     #[command(flatten)]
     partition: PartitionArgument,
     #[command(flatten)]
-    page: ReportPage,
-    #[command(flatten)]
     json: Json,
 }
 
@@ -51,14 +43,15 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         in_ci: super::is_in_ci(),
     };
     let suite = arguments.selection.open_to_change()?;
-    arguments.page.check()?;
-    let page = arguments.page.file();
-    output::check(&[arguments.json.file(), page.as_deref()], &[])?;
+    output::check(&[arguments.json.file()], &[])?;
     let (filters, drafts) = with_drafts(&suite, &arguments.cases)?;
     request.check().map_err(failure)?;
     for draft in &drafts {
         let path = output::write_within(suite.root(), &draft.file, draft.text.as_bytes())?;
-        progress::note(&format!("wrote {}: {}", path.display(), draft.said));
+        progress::note(&format!(
+            "wrote {}: describe there what the image shows",
+            path.display()
+        ));
     }
     let suite = match drafts.is_empty() {
         true => suite,
@@ -70,11 +63,6 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         .retain(&mut cases, |case| case.name.clone())?;
     let bar = progress::counted(cases.len());
     let store = suite.store();
-    // Before they are replaced.
-    let old: Vec<Option<Film>> = match arguments.page.is_asked() {
-        true => cases.iter().map(|case| image(&store, case)).collect(),
-        false => Vec::new(),
-    };
     let accepted = runs::accept(&cases, &store, request, &bar, &|step| bar.show(step));
     bar.finish_and_clear();
     let accepted = accepted.map_err(failure)?;
@@ -98,18 +86,6 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
             "\nNow look at the images in {}.\n",
             folder.display()
         ));
-    }
-    if arguments.page.is_asked() {
-        let shown = cases.iter().zip(old).zip(&accepted);
-        let (results, evidence): (Vec<_>, Vec<_>) = shown
-            .map(|((case, old), said)| arguments.shown(case, old, image(&store, case), said))
-            .unzip();
-        let found = Likenesses::default();
-        let page = Page {
-            headline: &headline(&accepted),
-            ..Page::of("accept", &results, &evidence, &found)
-        };
-        arguments.page.write(page, &mut text)?;
     }
     let value = json!({ "schema": "volref/accept/1", "cases": entries });
     arguments.json.instead_of(text, &value).map(Outcome::from)
@@ -145,53 +121,4 @@ fn with_drafts(suite: &Suite, given: &[String]) -> Result<(Vec<String>, Vec<Draf
     }
     filters.extend(others);
     Ok((filters, drafts))
-}
-
-/// The image of the golden of a case, if there is a trustworthy one.
-fn image(store: &Store, case: &Case) -> Option<Film> {
-    Golden::read(store, case).ok().map(|golden| golden.film)
-}
-
-/// The goldens of a run, counted by what became of them.
-fn headline(accepted: &[Accepted]) -> String {
-    let changes = [
-        Change::New,
-        Change::Replaced,
-        Change::Recorded,
-        Change::Unchanged,
-    ];
-    let counts = changes.map(|change| {
-        let such = accepted.iter().filter(|it| it.change == change);
-        (such.count(), change.word())
-    });
-    let counts = counts.iter().filter(|(count, _)| *count > 0);
-    let counts: Vec<String> = counts
-        .map(|(count, word)| format!("{count} {word}"))
-        .collect();
-    format!("Accepted: {}.", counts.join(", "))
-}
-
-impl Arguments {
-    /// An accepted image beside the one that it replaced.
-    fn shown(
-        &self,
-        case: &Case,
-        old: Option<Film>,
-        new: Option<Film>,
-        Accepted { change, detail, .. }: &Accepted,
-    ) -> (CaseResult, Evidence) {
-        let reason = format!("{}: {detail}", change.word());
-        let finding = CaseResult::new(Verdict::Pass, Cause::None, reason);
-        let mut result = finding.of_case(&case.name, case.class(), Gate::Exact);
-        let note = "the golden shown is the one before this accept; the test image is the one accepted now";
-        result.notes.push(note.to_owned());
-        let evidence = Evidence {
-            golden: old,
-            test: new.map(Picture::Radiance),
-            provenance: vec![("accepted because".to_owned(), self.reason.clone())],
-            reproduce: vec![self.selection.again("verify", &case.name, &[])],
-            ..Evidence::of(case)
-        };
-        (result, evidence)
-    }
 }

@@ -116,11 +116,6 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     };
     let judgement = judge(gate, &reference, &test, &conditions).map_err(bad_input)?;
     let mut note = "";
-    let codes = |picture: &Picture| matches!(picture, Picture::Codes(_));
-    if gate == Gate::Perceptual && codes(&reference) != codes(&test) {
-        note = "\nradiance was converted to 8 bits at the exposure given with --exposure (default \
-            0): it must be\nthe exposure of the .png\n";
-    }
     if let Some(path) = &arguments.heatmap {
         if reference.size() == test.size() {
             output::write(path, &heatmap(&reference, &test, arguments.exposure)?)?;
@@ -137,15 +132,6 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let film = test.radiance();
     let hidden = film.and_then(|film| precision_in_words(result.gate, &result.metrics, film));
     result.notes.extend(hidden);
-    let has_depth = |picture: &Picture| {
-        picture
-            .radiance()
-            .is_some_and(|film| film.depth().is_some())
-    };
-    if has_depth(&reference) || has_depth(&test) {
-        let note = "depths are not compared without a scene: volref validate compares them where a case asks for one";
-        result.notes.push(note.to_owned());
-    }
     let verdict = result.verdict.name();
     let mut text = format!(
         "{verdict}  ({} gate{why})\n{}\n",

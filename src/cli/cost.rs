@@ -1,12 +1,12 @@
 //! `volref cost SCENE…`
 
 use super::command_line::command_line;
-use super::failure::{Exit, Failure};
+use super::failure::{Failure, bad_input};
 use super::output::{self, Json};
 use super::suite::{NamedScene, named_scene};
 use super::{Outcome, progress};
 use crate::cost::timing::{Clock, Machine, RUNS};
-use crate::cost::{Cost, CostError, Options, cost};
+use crate::cost::{Cost, Options, cost};
 use crate::report;
 use crate::scene::Scene;
 use std::path::{Path, PathBuf};
@@ -70,7 +70,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     for (name, scene) in &scenes {
         let report = |what: &str| bar.set_message(format!("{name}: {what}"));
         let found = cost(scene, name, &options, &report);
-        costs.extend(found.map_err(|error| failure(name, &error))?);
+        costs.extend(found.map_err(|error| bad_input(format!("{name}: {error}")))?);
         bar.end_part();
     }
     bar.finish_and_clear();
@@ -94,17 +94,6 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     }
     let value = report::cost_json(&costs, machine.as_ref());
     arguments.json.instead_of(text, &value).map(Outcome::from)
-}
-
-fn failure(scene: &str, error: &CostError) -> Failure {
-    let help = match error {
-        CostError::NoParameter(_) => Some(
-            "cost compares settings: give a scene that is sampled, such as figures/figure-3 or \
-             smoke/cornell",
-        ),
-        CostError::Setting(_) | CostError::Render(_) => None,
-    };
-    Failure::new(Exit::BadInput, format!("{scene}: {error}"), help)
 }
 
 /// The plot of each scene, by the name of its file.

@@ -8,7 +8,6 @@ use super::suite::named_scene;
 use crate::exchange::{self, Export, Format, Refusal};
 use crate::files::regular_file;
 use crate::film::CHANNELS;
-use crate::geometry::Transform;
 use crate::scene::Scene;
 use serde_json::json;
 use std::fs::Metadata;
@@ -73,9 +72,6 @@ pub fn run(mut arguments: Arguments) -> Result<Outcome, Failure> {
         .classified()
         .filter(|_| is_grid)
         .and_then(|volume| volume.to_world);
-    if is_grid {
-        text.push_str(&in_a_scene(&export, map));
-    }
     let mut value = json!({
         "schema": "volref/export/1",
         "scene": arguments.scene,
@@ -151,14 +147,4 @@ fn commands(format: Format, folder: &Path, export: &Export) -> Vec<String> {
             .collect(),
         Format::Bundle | Format::Raw | Format::Nrrd | Format::Npy => Vec::new(),
     }
-}
-
-/// The table of a scene that reads the grid, with the map that places it.
-fn in_a_scene(export: &Export, map: Option<Transform>) -> String {
-    let file = &export.main;
-    let mut text = format!("\nin a scene beside it:\n  [classified.volume]\n  file = {file:?}\n");
-    if let Some(map) = map {
-        text.push_str(&format!("  transform = {:?}\n", map.rows()));
-    }
-    text
 }

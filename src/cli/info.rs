@@ -1,48 +1,25 @@
 //! `volref info FILE`
 
 use super::Outcome;
-use super::failure::{Exit, Failure, bad_input};
+use super::failure::{Failure, bad_input};
 use super::output::{self, Json};
-use super::suite::named_scene;
-use crate::files::regular_file;
-use crate::geometry::Transform;
 use crate::math::{Sum, ln};
 use crate::report::widest;
-use crate::scene::Scene;
 use crate::volume::{
-    AxisOrder, Centring, Content, Encoding, Endian, FileRead, Grid, Layout, LoadOptions, NonFinite,
-    Orientation, Stored, load_hashed, volume_format, volume_formats,
+    Centring, Encoding, Endian, FileRead, Grid, Layout, LoadOptions, Loaded, NonFinite,
+    Orientation, Stored, load_hashed, volume_formats,
 };
 use serde::Serialize;
 use serde_json::{Value, json};
 use std::fmt::Display;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
 /// Show the contents of a volume file: position, storage, values
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
     // `help` lists the formats.
-    #[arg(help = format!("Volume file: {}; or a scene, or a case of the suite, with a classified volume", volume_formats()))]
+    #[arg(help = format!("Volume file: {}", volume_formats()))]
     file: PathBuf,
-    /// Point clouds: nodes along the longest side of the grid [default: one point per voxel, on
-    /// average]
-    #[arg(long, value_name = "NODES", value_parser = clap::value_parser!(u64).range(2..=4096))]
-    resolution: Option<u64>,
-    /// Point clouds: empty nodes on each side
-    #[arg(long, value_name = "NODES", default_value_t = 2,
-          value_parser = clap::value_parser!(u64).range(0..=1024))]
-    padding: u64,
-    /// Whether the box ends at the outermost nodes or half a voxel beyond them [default: as in the
-    /// file, or else nodes]
-    #[arg(long, value_parser = [NODES, CELLS])]
-    centring: Option<String>,
-    /// Use the stored axes as x, y and z, whatever their direction
-    #[arg(long)]
-    as_stored: bool,
-    /// Arrays and raw samples: the order of the indices [default: as the description says, or else zyx]
-    #[arg(long, value_parser = AxisOrder::ALL.map(|(name, _)| name))]
-    axes: Option<String>,
     /// Allow the header (or a symbolic link) to refer to data outside its own folder
     #[arg(long)]
     detached_anywhere: bool,
@@ -92,115 +69,16 @@ struct Bin {
 /// Runs the command.
 pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     output::check(&[arguments.json.file()], &[&arguments.file])?;
-    let facts = match scene_file(&arguments.file) {
-        Some(scene) => of_scene(&arguments.file, &scene)?,
-        None => of_file(&arguments)?,
-    };
-    let text = arguments.json.instead_of(facts.text, &facts.json);
-    text.map(Outcome::from)
-}
-
-/// The volume of a `scene`, of whose panels each shows one.
-fn of_scene(given: &Path, scene: &Path) -> Result<Facts, Failure> {
-    let scene = Scene::load(scene)?;
-    let panels = || {
-        scene
-            .panels
-            .iter()
-            .filter_map(|it| Some((it, it.classified()?)))
-    };
-    let grids: Vec<_> = panels()
-        .flat_map(|(panel, _)| panel.model.grids())
-        .collect();
-    let is_one = grids.iter().all(|it| Arc::ptr_eq(it, grids[0]));
-    let Some((panel, volume)) = panels().next().filter(|_| is_one) else {
-        let count = ["more than one", "no"][usize::from(grids.is_empty())];
-        let message = format!("{} has {count} classified volume", given.display());
-        let help = "give the file of a volume, or a scene of one";
-        return Err(Failure::new(Exit::BadInput, message, Some(help)));
-    };
-    let inputs = panel.inputs.iter();
-    Ok(Facts::of(&Described {
-        given,
-        format: match panel.inputs.is_empty() {
-            true => "formula of a scene",
-            false => "volume of a scene",
-        },
-        files: inputs
-            .map(|it| (it.name.clone(), it.hash.clone()))
-            .collect(),
-        grid: &volume.grid,
-        to_world: volume.to_world,
-        stored: None,
-        is_array: false,
-    }))
-}
-
-/// The volume in a file.
-fn of_file(arguments: &Arguments) -> Result<Facts, Failure> {
-    let mut options = LoadOptions {
-        centring: arguments.centring.as_deref().map(|name| match name {
-            CELLS => Centring::Cells,
-            _ => Centring::Nodes,
-        }),
+    let options = LoadOptions {
         non_finite: NonFinite::Kept,
         detached_anywhere: arguments.detached_anywhere,
-        axes: arguments.axes.as_deref().and_then(AxisOrder::named),
-        orientation: match arguments.as_stored {
-            true => Orientation::AsStored,
-            false => Orientation::Oblique,
-        },
+        orientation: Orientation::Oblique,
         ..LoadOptions::default()
     };
-    options.splatting.resolution = arguments.resolution.map(|nodes| nodes as usize);
-    options.splatting.padding = arguments.padding as usize;
     let loaded = load_hashed(&arguments.file, &options).map_err(bad_input)?;
-    let is_array = volume_format(&arguments.file).is_some_and(|it| it.content == Content::Array);
-    let file = |file: &FileRead| (file.path.display().to_string(), file.hash.clone());
-    Ok(Facts::of(&Described {
-        given: &arguments.file,
-        format: loaded.format,
-        files: loaded.files.iter().map(file).collect(),
-        grid: &loaded.grid,
-        to_world: loaded.to_world,
-        stored: Some(&loaded.stored),
-        is_array: is_array && arguments.axes.is_none(),
-    }))
-}
-
-/// Longest text that is looked at for a scene.
-const MOST_BYTES: u64 = 1 << 24;
-
-/// The scene file behind an argument that names a scene or a case; descriptions of raw samples are TOML, too.
-fn scene_file(given: &Path) -> Option<PathBuf> {
-    let is_case = !given.exists() && given.extension().is_none();
-    let file = match is_case {
-        true => named_scene(given).ok()?.file,
-        false => given.to_owned(),
-    };
-    let is_toml = file
-        .extension()
-        .is_some_and(|it| it.eq_ignore_ascii_case("toml"));
-    let text = is_toml.then(|| regular_file::read(&file, MOST_BYTES).ok())??;
-    let table: toml::Table = String::from_utf8(text).ok()?.parse().ok()?;
-    ["classified", "radiative", "curve", "panel"]
-        .iter()
-        .any(|model| table.contains_key(*model))
-        .then_some(file)
-}
-
-/// A volume to describe.
-struct Described<'d> {
-    given: &'d Path,
-    format: &'static str,
-    /// Paths and hashes.
-    files: Vec<(String, String)>,
-    grid: &'d Grid<f32>,
-    to_world: Option<Transform>,
-    /// What the file holds; `None` for a volume of a scene.
-    stored: Option<&'d Stored>,
-    /// True if the file does not say which of its axes is x.
-    is_array: bool,
+    let facts = Facts::of(&arguments.file, &loaded);
+    let text = arguments.json.instead_of(facts.text, &facts.json);
+    text.map(Outcome::from)
 }
 
 /// Facts as a table of names and values, and as JSON.
@@ -214,9 +92,9 @@ impl Facts {
         self.text.push_str(&format!("{name:<10}  {value}\n"));
     }
 
-    fn of(it: &Described<'_>) -> Facts {
-        let file = |(path, hash): &(String, String)| json!({ "path": path, "blake3": hash });
-        let given = it.given.display();
+    fn of(given: &Path, it: &Loaded) -> Facts {
+        let file = |file: &FileRead| json!({ "path": file.path, "blake3": file.hash });
+        let given = given.display();
         let mut facts = Facts {
             text: format!("{given}: {}\n\n", it.format),
             json: json!({
@@ -226,16 +104,16 @@ impl Facts {
                 "files": it.files.iter().map(file).collect::<Vec<_>>(),
             }),
         };
-        if let Some(Stored::Cloud { points, extent }) = it.stored {
+        if let Stored::Cloud { points, extent } = &it.stored {
             let [min, max] = [extent.min, extent.max].map(|corner| corner.to_array());
             facts.json["cloud"] = json!({ "points": points, "min": min, "max": max });
             facts.row("points", points);
             facts.row("extent", between(min, max));
         }
         facts.place(it);
-        let values = ValueStatistics::of(it.grid);
-        if let Some(Stored::Samples { layout }) = it.stored {
-            facts.stored(it.grid, layout, &values);
+        let values = ValueStatistics::of(&it.grid);
+        if let Stored::Samples { layout } = &it.stored {
+            facts.stored(&it.grid, layout);
         }
         if let (Some(min), Some(max), Some(mean)) = (values.min, values.max, values.mean) {
             facts.row("values", summary(min, max, mean));
@@ -250,8 +128,8 @@ impl Facts {
             let words = format!("{count}, first at voxel ({i}, {j}, {k}): {value}");
             facts.row("not finite", words);
         }
-        if let Some((path, _)) = it.files.get(1) {
-            facts.row("data in", path);
+        if let Some(file) = it.files.get(1) {
+            facts.row("data in", file.path.display());
         }
         facts.text.push_str(&plot(&values.histogram));
         facts.json["values"] = json!(values);
@@ -259,7 +137,7 @@ impl Facts {
     }
 
     /// Position and size.
-    fn place(&mut self, it: &Described<'_>) {
+    fn place(&mut self, it: &Loaded) {
         let lattice = it.grid.lattice();
         let nodes @ [nx, ny, nz] = lattice.nodes();
         let [spacing, first] = [lattice.spacing(), lattice.first()].map(|it| it.to_array());
@@ -271,10 +149,6 @@ impl Facts {
         };
         let count = nx * ny * nz;
         self.row("nodes", format!("{nx} × {ny} × {nz}, {count} in total"));
-        if it.is_array {
-            let axes = "z, y, x; an array (x, y, z), as of nibabel, needs `axes = \"xyz\"`";
-            self.row("axes", axes);
-        }
         let is_cubic = spacing.iter().all(|of| *of == spacing[0]);
         match is_cubic {
             true => self.row("spacing", digits(spacing[0])),
@@ -297,8 +171,8 @@ impl Facts {
         }
     }
 
-    /// How samples are stored, whose `values` are `slope·s + intercept`.
-    fn stored(&mut self, grid: &Grid<f32>, layout: &Layout, values: &ValueStatistics) {
+    /// How samples are stored.
+    fn stored(&mut self, grid: &Grid<f32>, layout: &Layout) {
         if let Some(space) = layout.space {
             self.json["space"] = json!(space);
             self.row("space", space);
@@ -318,20 +192,8 @@ impl Facts {
             words.push_str(&format!(", {a} × {b} × {c} in other order"));
         }
         self.row("stored", words);
-        if let (Some((slope, intercept)), Some(one), Some(other), Some(mean)) =
-            (layout.scaling, values.min, values.max, values.mean)
-        {
-            let [one, other, mean] = [one, other, mean].map(|value| (value - intercept) / slope);
-            // Whole numbers come back exactly, but for the rounding of values to f32.
-            let [one, other] = match element.is_whole() {
-                true => [one.round(), other.round()],
-                false => [one, other],
-            };
-            let (min, max) = (one.min(other), one.max(other));
-            json["scaling"] = json!({
-                "slope": slope, "intercept": intercept, "min": min, "max": max, "mean": mean,
-            });
-            self.row("", summary(min, max, mean));
+        if let Some((slope, intercept)) = layout.scaling {
+            json["scaling"] = json!({ "slope": slope, "intercept": intercept });
             let plus = format!(" + {}", digits(intercept)).replace("+ -", "- ");
             self.row("", format!("value = {} · stored{plus}", digits(slope)));
         }

@@ -4,7 +4,6 @@ use super::failure::{Exit, Failure, exit};
 use super::{is_in_ci, output};
 use crate::files::regular_file::{self, note_input};
 use crate::judging::{CaseResult, Judged, KnownFailures, KnownStatus};
-use crate::scene::reader::Document;
 use crate::suite::Suite;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -47,7 +46,7 @@ impl KnownArgument {
         let shown = path.display().to_string();
         let text = match self.known_update && !path.exists() {
             true => String::new(),
-            false => text_of(path, &shown)?,
+            false => text_of(path)?,
         };
         match self.known_update {
             true => output::check(&[Some(path)], &[])?,
@@ -61,20 +60,17 @@ impl KnownArgument {
     }
 }
 
-fn text_of(path: &Path, shown: &str) -> Result<String, Failure> {
-    let document = Document {
-        path: shown,
-        text: "",
-    };
-    let failed = |message: String, help: Option<String>| document.error(None, message, help);
-    let bytes = regular_file::read_unnoted(path, MOST_BYTES).map_err(|error| {
-        let message = format!("cannot read the known failures: {error}");
-        failed(message, Some("--known-update writes the file".to_owned()))
-    })?;
-    let text = String::from_utf8(bytes);
-    let text =
-        text.map_err(|_| failed("the known failures are not UTF-8 text".to_owned(), None))?;
-    Ok(text)
+fn text_of(path: &Path) -> Result<String, Failure> {
+    let read = regular_file::read_unnoted(path, MOST_BYTES).map_err(|error| error.to_string());
+    let text = read.and_then(|bytes| String::from_utf8(bytes).map_err(|error| error.to_string()));
+    text.map_err(|error| {
+        let message = format!("cannot read the known failures {}: {error}", path.display());
+        Failure::new(
+            Exit::BadInput,
+            message,
+            Some("--known-update writes the file"),
+        )
+    })
 }
 
 impl KnownFile<'_> {
@@ -99,18 +95,9 @@ impl KnownFile<'_> {
             return Ok(text + "the file of known failures is as it was\n");
         }
         let path = self.path.display();
-        let is = if self.path.exists() {
-            "rewritten"
-        } else {
-            "written"
-        };
         output::write(self.path, self.known.updated(&results).as_bytes())?;
-        let left = match count(results.iter().copied(), KnownStatus::New) {
-            0 => String::new(),
-            1 => "; write the reason of the new entry".to_owned(),
-            news => format!("; write the reasons of the {news} new entries"),
-        };
-        Ok(text + &format!("{path} is {is}{left}\n"))
+        let new = count(results.iter().copied(), KnownStatus::New);
+        Ok(text + &format!("{path} is written; {new} new entries need a reason\n"))
     }
 
     /// The exit code: after an update all failures that can be listed are.

@@ -17,7 +17,7 @@ use crate::judging::{
 };
 use crate::naming::Likenesses;
 use crate::report;
-use crate::runs::{KeptResult, Part, RESULTS, ResultFolder, Run};
+use crate::runs::{KeptResult, Part, ResultFolder, Run};
 use crate::suite::{Case, Golden, Suite};
 use serde_json::json;
 use std::collections::BTreeMap;
@@ -33,9 +33,6 @@ pub struct Arguments {
     /// Folders that parts wrote: .volref, that of --results, or a folder with a .volref
     #[arg(value_name = "DIR", required = true)]
     folders: Vec<PathBuf>,
-    /// Run to join, if there are several: start of its identifier
-    #[arg(long = "run", value_name = "ID")]
-    run: Option<String>,
     #[command(flatten)]
     selection: Selection,
     /// List every case, including those that passed
@@ -50,7 +47,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let roots = arguments.folders.iter().map(|folder| root_of(folder));
     let roots: Vec<PathBuf> = roots.collect::<Result<_, _>>()?;
     let folders: Vec<ResultFolder> = roots.iter().map(ResultFolder::open).collect();
-    let runs = runs_of(&arguments, &folders)?;
+    let runs = runs_of(&folders)?;
     let suite = arguments.selection.open()?;
     arguments.files.check()?;
     match &runs[..] {
@@ -94,20 +91,16 @@ impl<'f> Parts<'f> {
     }
 }
 
-/// The folder of results: `folder` itself, one in it, or the one that it is part of.
+/// The folder of results: `folder` itself, or one in it.
 fn root_of(folder: &Path) -> Result<PathBuf, Failure> {
     if !folder.is_dir() {
         return Err(bad_input(format!("{} is not a folder", folder.display())));
     }
-    let within = folder.join(KEPT);
-    // The folder of a run, which a part names at its end, or that of all results.
-    let mut above = folder.ancestors().take(2);
-    let results = above.find(|above| above.ends_with(RESULTS));
-    let places = [Some(folder), Some(&within), results.and_then(Path::parent)];
-    let is_root = |root: &&Path| ResultFolder::open(*root).path().is_dir();
-    let root = places.into_iter().flatten().find(is_root);
-    let none = || no_results(&format!("{} has no results", folder.display()));
-    root.map(Path::to_owned).ok_or_else(none)
+    let places = [folder.to_owned(), folder.join(KEPT)];
+    let root = places
+        .into_iter()
+        .find(|root| ResultFolder::open(root).path().is_dir());
+    root.ok_or_else(|| no_results(&format!("{} has no results", folder.display())))
 }
 
 fn no_results(message: &str) -> Failure {
@@ -117,10 +110,7 @@ fn no_results(message: &str) -> Failure {
 }
 
 /// The runs whose results are to be joined: one, or several that have names.
-fn runs_of<'f>(
-    arguments: &Arguments,
-    folders: &'f [ResultFolder],
-) -> Result<Vec<Parts<'f>>, Failure> {
+fn runs_of(folders: &[ResultFolder]) -> Result<Vec<Parts<'_>>, Failure> {
     let mut runs: BTreeMap<String, (Run, PathBuf)> = BTreeMap::new();
     for folder in folders {
         let found = folder.runs().map_err(|reason| {
@@ -128,31 +118,24 @@ fn runs_of<'f>(
             Failure::new(Exit::Undecided, reason, Some(help))
         })?;
         for (id, run) in found {
-            runs.entry(id).or_insert((run, folder.path()));
+            let place = folder.path().join(&id);
+            runs.entry(id).or_insert((run, place));
         }
     }
-    if let Some(id) = &arguments.run {
-        runs.retain(|name, _| name.starts_with(id));
-        if runs.is_empty() {
-            return Err(bad_input(format!("there are no results of a run {id}")));
-        }
+    if runs.is_empty() {
+        return Err(no_results("there are no results in these folders"));
     }
-    let has_name = |(run, _): &(Run, PathBuf)| run.settings.contains_key(NAME);
-    let mut found = runs.values();
-    match (found.next(), found.next()) {
-        (None, _) => return Err(no_results("there are no results in these folders")),
-        (Some((one, here)), Some((other, there))) if !runs.values().all(has_name) => {
-            let (what, [one_value, other_value]) = one.difference(other);
-            let message = format!(
-                "these are results of {} different runs: {what} differs, {one_value} in {} and {other_value} in {}",
-                runs.len(),
-                here.join(one.id()).display(),
-                there.join(other.id()).display(),
-            );
-            let help = "remove the folders of the other runs, or name the one to join with --run ID, its folder's name";
-            return Err(Failure::new(Exit::BadInput, message, Some(help)));
-        }
-        _ => {}
+    if runs.len() > 1
+        && !runs
+            .values()
+            .all(|(run, _)| run.settings.contains_key(NAME))
+    {
+        let places = runs.values().map(|(_, place)| place.display().to_string());
+        let places: Vec<String> = places.collect();
+        let message = format!("these are results of different runs: {}", places.join(", "));
+        let help =
+            "the file run.json of each says what it judged; remove the folders of the other runs";
+        return Err(Failure::new(Exit::BadInput, message, Some(help)));
     }
     let runs = runs.into_iter();
     Ok(runs
@@ -209,7 +192,7 @@ fn joined_results(
         JudgedWith::of_runs(loosened),
     );
     let text = if is_verified {
-        verify::in_words(&results, arguments.verbose, suite)
+        verify::in_words(&results, arguments.verbose)
     } else {
         let said = PrintedVerdicts {
             speaks: !arguments.files.prints_json(),
@@ -225,11 +208,7 @@ fn joined_results(
     let all = runs.iter().map(|of| of.run.cases.len()).sum();
     let text = text + &missing_text(&missing, all);
     for (name, reason) in missing {
-        let mut without = without_result(name, suite.case(name), reason);
-        if arguments.files.wants_evidence() {
-            without.evidence.golden = golden_of(name, suite);
-        }
-        judged.push(without);
+        judged.push(without_result(name, suite.case(name), reason));
     }
     let findings = Findings {
         command: if is_verified { "verify" } else { "validate" },

@@ -38,7 +38,7 @@ mod validate;
 mod verdicts;
 mod verify;
 
-use clap::{CommandFactory as _, Parser, Subcommand};
+use clap::{Parser, Subcommand};
 use std::process::ExitCode;
 
 pub(crate) use embedded::SuiteFiles;
@@ -116,7 +116,7 @@ fn run() -> Exit {
             } else {
                 Exit::Passed
             };
-            output::print_usage(&Arguments::command(), error);
+            output::print_usage(&error);
             return exit;
         }
     };

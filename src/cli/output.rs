@@ -11,7 +11,6 @@ use crate::judging::Verdict;
 use anstream::{AutoStream, ColorChoice};
 use clap::Args;
 use clap::builder::styling::AnsiColor;
-use clap::error::{ContextKind, ContextValue};
 use serde::Serialize;
 use serde_json::json;
 use std::ffi::OsString;
@@ -148,13 +147,9 @@ fn print_error_object(exit: Exit, message: String, help: Option<String>) {
 
 /// Writes clap's message about the command line, or the help. If the arguments contain control
 /// characters, which the message repeats, it has no colours.
-pub fn print_usage(command: &clap::Command, mut error: clap::Error) {
+pub fn print_usage(error: &clap::Error) {
     if !error.use_stderr() {
         return note_error(error.print());
-    }
-    if let Some(tip) = missing_equals(command, &error) {
-        let tips = ContextValue::StyledStrs(vec![tip.into()]);
-        error.insert(ContextKind::Suggested, tips);
     }
     print_error_object(Exit::BadInput, error.to_string(), None);
     let mut arguments = std::env::args_os();
@@ -167,31 +162,6 @@ pub fn print_usage(command: &clap::Command, mut error: clap::Error) {
     } else {
         write!(io::stderr(), "{}", printable(&error.to_string()))
     };
-}
-
-/// A remedy where a value that `=` joins to its option, as in `--depth=mean`, stands by itself: then there is an
-/// argument too many.
-fn missing_equals(command: &clap::Command, error: &clap::Error) -> Option<String> {
-    let is_value = |text: &str| !text.starts_with('-');
-    match error.get(ContextKind::InvalidArg) {
-        Some(ContextValue::String(text)) if is_value(text) => {}
-        _ => return None,
-    }
-    let arguments: Vec<String> = std::env::args_os()
-        .map(|argument| argument.to_string_lossy().into_owned())
-        .collect();
-    let command = command.find_subcommand(arguments.get(1)?)?;
-    let joins = |option: &str| {
-        let name = option.strip_prefix("--");
-        let mut known = command.get_arguments();
-        known.any(|it| it.get_long() == name && name.is_some() && it.is_require_equals_set())
-    };
-    let mut pairs = arguments.windows(2);
-    let pair = pairs.find(|pair| joins(&pair[0]) && is_value(&pair[1]))?;
-    let [option, value] = [&pair[0], &pair[1]];
-    Some(format!(
-        "'{option}' takes its value after '=': '{option}={value}'"
-    ))
 }
 
 /// `--json`: the result as JSON instead of text.
@@ -226,29 +196,18 @@ impl Json {
     }
 }
 
-/// Fails if the file at `path`, or the one that it links to, is a golden.
-fn check_no_golden(path: &Path) -> Result<(), Failure> {
-    let file = file_behind(path);
-    if !golden_mark::is_golden(file.as_deref().unwrap_or(path)) {
-        return Ok(());
-    }
-    Err(is_golden(path, "is a golden"))
-}
-
 /// Fails if `folder` holds goldens, of this suite or of another: outputs there would be taken for goldens.
 pub fn check_no_goldens_in(folder: &Path) -> Result<(), Failure> {
     let Some(golden) = golden_mark::golden_within(folder) else {
         return Ok(());
     };
-    let holds = format!("holds goldens, such as {}", golden.display());
-    Err(is_golden(folder, &holds))
-}
-
-/// The failure of an output at `path`, which `is` something of the goldens.
-fn is_golden(path: &Path, is: &str) -> Failure {
-    let message = format!("{} {is}", path.display());
+    let message = format!(
+        "{} holds goldens, such as {}",
+        folder.display(),
+        golden.display()
+    );
     let help = "only `volref accept` changes goldens; write elsewhere";
-    Failure::new(Exit::BadInput, message, Some(help))
+    Err(Failure::new(Exit::BadInput, message, Some(help)))
 }
 
 /// `value` as indented JSON with a final newline.
@@ -266,7 +225,6 @@ pub fn pretty(value: &impl Serialize) -> String {
 /// Writes a whole file or nothing, and never over an input or a golden.
 pub fn write(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
     check_no_input(path)?;
-    check_no_golden(path)?;
     write_atomically(path, bytes).map_err(|error| not_written(path, &error.cause))
 }
 
@@ -276,7 +234,6 @@ pub fn write_within(folder: &Path, inner: &Path, bytes: &[u8]) -> Result<PathBuf
     own_file::make_folder(folder, directory_of(inner)).map_err(bad_input)?;
     let path = folder.join(inner);
     check_no_input(&path)?;
-    check_no_golden(&path)?;
     own_file::write(&path, bytes).map_err(|error| not_written(&path, &error.cause))?;
     Ok(path)
 }
@@ -342,7 +299,10 @@ fn check_target(path: &Path) -> Result<(), Failure> {
     } else if !directory_of(path).is_dir() {
         "its folder does not exist"
     } else {
-        return check_no_input(path).and_then(|()| check_no_golden(path));
+        check_no_input(path)?;
+        let file = file_behind(path);
+        let checked = golden_mark::check(file.as_deref().unwrap_or(path));
+        return checked.map_err(|cause| not_written(path, &cause));
     };
     let message = format!("cannot write {}: {what}", path.display());
     let help = "nothing was done; give a file in a folder that exists";

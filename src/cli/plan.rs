@@ -171,8 +171,8 @@ fn described(plan: &Plan<'_>, work: Option<&Counters>, text: &mut String) -> Val
         let title = format!("work {count:<23}  {:>12}  {:>14}", "per ray", "total");
         let lines = Event::ALL.map(|event| {
             let (name, count) = (event.key().replace('_', " "), work[event]);
-            let per_ray = short(count as f64 / rays.max(1) as f64);
-            format!("{name:<26}  {per_ray:>12}  {count:>14}")
+            let per_ray = count as f64 / rays.max(1) as f64;
+            format!("{name:<26}  {per_ray:>12.3}  {count:>14}")
         });
         section(&title, lines.into());
     }
@@ -209,17 +209,4 @@ fn describe_volumes(panel: &Panel, text: &mut String, json: &mut Value) {
         json["surfaces"] = json!(classified.objects.surfaces.len());
         json["clips"] = json!(classified.objects.clips.len());
     }
-}
-
-/// Four digits, without an exponent.
-fn short(number: f64) -> String {
-    let decimals = match number {
-        _ if number == number.trunc() => 0,
-        _ if number >= 1000.0 => 0,
-        _ if number >= 100.0 => 1,
-        _ if number >= 10.0 => 2,
-        _ if number >= 1.0 => 3,
-        _ => 4,
-    };
-    format!("{number:.decimals$}")
 }

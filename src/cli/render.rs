@@ -7,11 +7,10 @@ use super::suite::{NamedScene, named_scene};
 use super::threads::Threads;
 use super::{Outcome, progress};
 use crate::film::{Depth, Film, FilmFormat};
-use crate::math;
 use crate::reference;
-use crate::render::plan::{Method, Reason};
+use crate::render::plan::Reason;
 use crate::render::{self, Plan, Sampling, Seed};
-use crate::scene::{Conventions, Length, Mode, Model, Origin, Scene, samples};
+use crate::scene::{Conventions, Length, Model, Scene, samples};
 use crate::sensitivity::number;
 use crate::volume::volume_format;
 use serde_json::json;
@@ -97,10 +96,6 @@ pub fn run(mut arguments: Arguments) -> Result<Outcome, Failure> {
     };
     let start = Instant::now();
     let plans = render::plans(&scene);
-    let is_radiative = |plan: &Plan| matches!(plan.panel.model, Model::Radiative(_));
-    let is_sampled = plans
-        .iter()
-        .any(|plan| plan.is_sampled() || arguments.reference && is_radiative(plan));
     let film = arguments
         .threads
         .run(|| arguments.rendered(&scene, &plans, sampling))?
@@ -126,13 +121,12 @@ pub fn run(mut arguments: Arguments) -> Result<Outcome, Failure> {
         ));
     }
     let warnings = warnings_of_all(&plans);
-    let mut notes = range_notes(&plans);
-    notes.extend(brightness_note(&film, (format, exposure), &plans));
-    notes.extend(warnings.iter().map(ToString::to_string));
-    let asks = arguments.spp.is_some() || arguments.seed.is_some();
-    notes.extend((asks && !is_sampled).then(|| NOT_SAMPLED.to_owned()));
-    for note in notes {
+    for note in &warnings {
         text.push_str(&format!("note: {note}\n"));
+    }
+    let is_black = film.radiance().iter().flatten().all(|&value| value <= 0.0);
+    if warnings.is_empty() && is_black {
+        text.push_str("note: the image is black: no ray reaches anything that emits light\n");
     }
     let mut value = json!({
         "schema": "volref/render/1",
@@ -150,9 +144,6 @@ pub fn run(mut arguments: Arguments) -> Result<Outcome, Failure> {
     }
     arguments.json.instead_of(text, &value).map(Outcome::from)
 }
-
-const NOT_SAMPLED: &str =
-    "this scene is rendered without random numbers; --spp and --seed have no effect";
 
 impl Arguments {
     /// The file of depths beside an image of this `format`, where it has one.
@@ -214,14 +205,9 @@ impl Arguments {
             let number =
                 number(&scene, name).map_err(|error| bad_input(format!("--change: {error}")))?;
             scene = number.changed(&scene, *change).ok_or_else(|| {
-                let why = match &*number.kind {
-                    "clip.offset" => "the clip would leave nothing of a volume",
-                    _ if *change <= -1.0 => "a parameter falls by less than 100 %",
-                    "index" => "an index is above 1",
-                    "albedo" | "reflectance" | "mirror" => "an albedo or reflectance is at most 1",
-                    _ => "rays would have too many samples, or none that can be told apart",
-                };
-                bad_input(format!("--change: {name} cannot change by {change}: {why}"))
+                bad_input(format!(
+                    "--change: {name} cannot change by {change}: it would leave its domain"
+                ))
             })?;
         }
         Ok(scene)
@@ -274,74 +260,12 @@ fn warnings_of_all<'p>(plans: &'p [Plan<'_>]) -> Vec<&'p Reason> {
         .collect()
 }
 
-/// A note on an image that is black, or too dark to see as a preview.
-fn brightness_note(
-    film: &Film,
-    (format, exposure): (FilmFormat, f64),
-    plans: &[Plan<'_>],
-) -> Option<String> {
-    let mut lit: Vec<f32> = film
-        .radiance()
-        .iter()
-        .map(|pixel| pixel[0].max(pixel[1]).max(pixel[2]))
-        .filter(|&brightest| brightest > 0.0)
-        .collect();
-    if lit.is_empty() {
-        return Some(format!("the image is black: {}", why_black(plans)));
-    }
-    // The brightest hundredth of what is lit: a single hot pixel says nothing.
-    lit.sort_by(f32::total_cmp);
-    let bright = f64::from(lit[(lit.len() - 1) * 99 / 100]);
-    let stops = (-math::log2(bright)).round();
-    if format == FilmFormat::Png && stops - exposure >= 2.0 {
-        return Some(format!(
-            "the image is dark; --exposure {stops} shows it better"
-        ));
-    }
-    None
-}
-
-/// Notes on the ranges of values that no scene states.
-fn range_notes(plans: &[Plan<'_>]) -> Vec<String> {
-    let readings = plans.iter().flat_map(|plan| &plan.panel.readings);
-    let mut notes: Vec<String> = readings
-        .filter_map(|reading| match reading.origin {
-            Origin::Derived(rule) if reading.key.ends_with("transfer_function.range") => Some(format!(
-                "values are shown from {} by default ({rule}); state `range` in [transfer_function] to change that",
-                reading.value.trim_matches(['[', ']']).replace(", ", " to ")
-            )),
-            _ => None,
-        })
-        .collect();
-    notes.dedup();
-    notes
-}
-
 /// True of a volume file. A description of bare samples ends in .toml, as scenes do.
 fn is_volume(path: &Path) -> bool {
     let is_toml = path
         .extension()
         .is_some_and(|extension| extension.eq_ignore_ascii_case("toml"));
     !is_toml && volume_format(path).is_some()
-}
-
-/// The reason for which the image of a scene is black.
-fn why_black(plans: &[Plan<'_>]) -> String {
-    if let [plan] = plans
-        && let Some(volume) = plan.panel.classified()
-    {
-        if plan.estimator.method == Method::Background {
-            return plan.estimator.why.reason.clone();
-        }
-        if volume.mode != Mode::Composited {
-            let (least, most) = volume.grid.range();
-            let [least, most] = [least as f32, most as f32];
-            return format!(
-                "no value that is shown and met has a colour; those of the volume go from {least} to {most}"
-            );
-        }
-    }
-    "no ray reaches anything that emits light".to_owned()
 }
 
 /// The format of an image to be written, of linear `values`.

@@ -7,7 +7,7 @@ use super::suite::scene_file;
 use super::threads::Threads;
 use super::{Outcome, progress};
 use crate::film::{Film, FilmFormat};
-use crate::render::{self, Detail, Plan};
+use crate::render::Detail;
 use crate::report::{blue_to_red, widest};
 use crate::scene::{Scene, samples};
 use crate::sensitivity::{Derivative, Differences, Number, derivative, number, numbers};
@@ -112,7 +112,6 @@ pub fn run(mut arguments: Arguments) -> Result<Outcome, Failure> {
         FilmFormat::Exr | FilmFormat::Pfm => found.film.to_exr().map_err(bad_input)?,
     };
     output::write(path, &bytes)?;
-    let is_sampled = render::plans(&scene).iter().any(Plan::is_sampled);
     let [mean, error] = mean_and_error(&found.film);
     let mut text = format!(
         "{}: derivative by {name}, {} × {} pixels in {:.2} s\n\
@@ -123,7 +122,7 @@ pub fn run(mut arguments: Arguments) -> Result<Outcome, Failure> {
         start.elapsed().as_secs_f64(),
         per_unit(&number),
     );
-    for note in notes(&found, &number, is_sampled) {
+    for note in notes(&found, &number) {
         text.push_str(&format!("note: {note}\n"));
     }
     let value = json!({
@@ -144,21 +143,13 @@ pub fn run(mut arguments: Arguments) -> Result<Outcome, Failure> {
     arguments.json.instead_of(text, &value).map(Outcome::from)
 }
 
-fn notes(found: &Derivative, number: &Number, is_sampled: bool) -> Vec<String> {
+fn notes(found: &Derivative, number: &Number) -> Vec<String> {
     let mut notes = Vec::new();
     if !found.is_central {
         notes.push(format!(
             "{} can only change to one side: the difference is one-sided, its error in proportion to \
              the step",
             number.name()
-        ));
-    }
-    if is_sampled && found.is_central {
-        notes.push(format!(
-            "the variance is that of random samples; to it comes the error of differences, which falls \
-             as the square of the step (here {:.3}): compare with --step {:.3}",
-            found.step,
-            0.5 * found.step
         ));
     }
     if found.unsettled > 0 {

@@ -134,38 +134,22 @@ pub fn named_scene(given: &Path) -> Result<NamedScene, Failure> {
         }),
         // No file either: the error names the nearest case.
         [] if given.extension().is_none() && !is_in_a_place => {
-            match suite.select(&[name.to_owned()]) {
-                Err(SuiteError::NoMatch { filter, help }) => {
-                    let message = format!("no case matches {filter:?}, and there is no such file");
-                    Err(Failure::new(Exit::BadInput, message, Some(&help)))
-                }
-                _ => as_given,
-            }
+            let nearest = suite.select(&[name.to_owned()]).err();
+            let help = nearest.as_ref().and_then(miette::Diagnostic::help);
+            let help = help.map(|help| help.to_string());
+            let message = format!("no case matches {name:?}, and there is no such file");
+            Err(Failure::new(Exit::BadInput, message, help.as_deref()))
         }
         _ => as_given,
-    }
-}
-
-/// Help for a filter that looks like the name of an output.
-fn output_help(filter: &str) -> Option<String> {
-    let extension = Path::new(filter).extension()?.to_str()?;
-    match extension.to_ascii_lowercase().as_str() {
-        "json" => Some(format!("to write the results there: --json={filter}")),
-        "xml" => Some(format!("to write the results there: --junit {filter}")),
-        "html" => Some("to write a page: --report DIR".to_owned()),
-        _ => None,
     }
 }
 
 /// An unknown case is exit code 5, an unreadable suite 2.
 impl From<SuiteError> for Failure {
     fn from(error: SuiteError) -> Failure {
-        let (exit, error) = match error {
-            SuiteError::NoMatch { filter, help } => {
-                let help = output_help(&filter).unwrap_or(help);
-                (Exit::Undecided, SuiteError::NoMatch { filter, help })
-            }
-            error => (Exit::BadInput, error),
+        let exit = match error {
+            SuiteError::NoMatch { .. } => Exit::Undecided,
+            _ => Exit::BadInput,
         };
         Failure {
             exit,

@@ -20,7 +20,7 @@ use crate::judging::{
 };
 use crate::renderers::{ImageSource, OtherRenderer, Rendered, in_order, stop_all};
 use crate::report;
-use crate::suite::{Case, Output, Outputs, Store, Suite, image_path};
+use crate::suite::{Case, Output, Outputs, Store, Suite};
 use clap::ArgAction;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
@@ -152,7 +152,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         .map(|case| with_promise(case, &arguments))
         .collect();
     let mut cases: Vec<&Case> = selected.iter().collect();
-    arguments.check_kept_images(&cases)?;
+    arguments.check_kept_images()?;
     let profile = arguments.profile.as_deref().map(Profile::named);
     let judge = Judge {
         profile: profile.transpose()?,
@@ -179,6 +179,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     staying.inspect(|staying| staying.end());
     let (judged_with, (found, text)) =
         CauseSearch::run(&arguments.explain, arguments.accept_conventions, |search| {
+            search.announce(&judged);
             let profile = judge.profile.as_ref();
             if profile.is_none() {
                 let accepted = arguments.accept_conventions;
@@ -186,11 +187,12 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
             }
             let passed_over = passed_over.into_iter().map(|(name, _)| name);
             let part: Vec<String> = cases.iter().map(name).chain(passed_over).collect();
-            // Before the search, which somebody may end.
-            if let Some(kept) = &to_keep {
-                say_kept(&kept.keep(&part, &judged, &[])?);
-            }
+            let keep = |judged: &[Judged]| match &to_keep {
+                Some(kept) => kept.keep(&part, judged, &[]).map(|place| say_kept(&place)),
+                None => Ok(()),
+            };
             if judged.is_empty() {
+                keep(&judged)?;
                 return Err(judge.nothing_compared());
             }
             let results: Vec<CaseResult> =
@@ -204,9 +206,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
             if let Some(known) = &judge.known {
                 text.push_str(&known.finish(&mut judged)?);
             }
-            if let Some(kept) = &to_keep {
-                kept.keep(&part, &judged, &[])?;
-            }
+            keep(&judged)?;
             Ok((judged_with, (found, text)))
         })?;
     arguments.measure(&judged, &said)?;
@@ -244,14 +244,11 @@ fn with_promise(mut case: Case, arguments: &Arguments) -> Case {
 }
 
 impl Arguments {
-    /// Fails if images to be kept would replace goldens or inputs.
-    fn check_kept_images(&self, cases: &[&Case]) -> Result<(), Failure> {
+    /// Fails if images to be kept would replace goldens.
+    fn check_kept_images(&self) -> Result<(), Failure> {
         let Some(folder) = &self.keep else {
             return Ok(());
         };
-        for case in cases {
-            output::check_no_input(&image_path(folder, &case.name, &self.renderer.format))?;
-        }
         output::check_no_goldens_in(folder)
     }
 

@@ -1,6 +1,6 @@
 //! Printed verdicts of `validate`, and the search for the mistakes behind failures.
 
-use super::progress::{self, Bar};
+use super::progress;
 use super::{interrupt, is_in_ci, output};
 use crate::conventions::Profile;
 use crate::judging::{CaseResult, Cause, Judged, Verdict};
@@ -87,7 +87,6 @@ pub struct CauseSearch {
     seconds: f64,
     /// True if nobody gave a limit: there is no search where CI is set.
     is_left_out: bool,
-    is_announced: bool,
 }
 
 impl CauseSearch {
@@ -101,15 +100,20 @@ impl CauseSearch {
         let mut search = CauseSearch {
             seconds: argument.seconds(is_asked),
             is_left_out: argument.explain.is_none(),
-            is_announced: false,
         };
         interrupt::can_be_cut_short(|| work(&mut search)).0
     }
 
-    /// Progress of the search for the causes of `failed` images, which is announced once.
-    fn bar(&mut self, failed: usize) -> Bar {
-        let is_announced = std::mem::replace(&mut self.is_announced, true);
-        progress::causes((!is_announced).then_some((failed, self.seconds)))
+    /// Says that a search for the causes of failures begins, if there are any.
+    pub fn announce(&self, judged: &[Judged]) {
+        let failed = judged.iter().filter(|judged| judged.differs()).count();
+        if failed > 0 && self.seconds > 0.0 {
+            progress::note(&format!(
+                "looking for the mistake in failing cases ({failed}), at most {} s of work for each (--explain 0 skips \
+                 the search)",
+                self.seconds
+            ));
+        }
     }
 
     /// Searches the conventions behind images of `cases` that differ, and prints each verdict that changes by them: a
@@ -127,7 +131,7 @@ impl CauseSearch {
             return;
         }
         let store = suite.store();
-        let bar = self.bar(failed);
+        let bar = progress::image("looking for the mistake");
         let report = |step: &SearchStep| progress::mistake(&bar, step);
         let search = ConventionSearch::watched(&interrupt::is_cut_short, &report);
         let mut heading = "\nafter the search for conventions:\n";
@@ -163,7 +167,7 @@ impl CauseSearch {
             };
             return (Likenesses::default(), said.to_owned());
         }
-        let bar = self.bar(failed);
+        let bar = progress::image("looking for the mistake");
         let search = Search {
             budget: Some(Duration::from_secs_f64(self.seconds)),
             predictions: &Predictions::default(),

@@ -9,7 +9,7 @@ use crate::judging;
 use crate::judging::{CaseResult, Cause, Evidence, JudgedWith, Verdict};
 use crate::naming::Likenesses;
 use crate::report;
-use crate::suite::{Case, Suite};
+use crate::suite::Case;
 use std::collections::BTreeMap;
 
 /// Render the suite and compare it with the goldens, bit for bit
@@ -78,7 +78,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         origin: None,
     };
     let results = findings.results();
-    let text = in_words(&results, arguments.verbose, &suite);
+    let text = in_words(&results, arguments.verbose);
     match kept {
         Some(Ok(place)) => say_kept(&place),
         Some(Err(failure)) => {
@@ -95,37 +95,18 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
 }
 
 /// Results for the terminal: every case, or those that passed by their families.
-pub fn in_words(results: &[CaseResult], is_verbose: bool, suite: &Suite) -> String {
+pub fn in_words(results: &[CaseResult], is_verbose: bool) -> String {
     let text = if is_verbose {
         report::results_text(results)
     } else {
         report::families_text(results)
     };
-    text + &what_moved(results, suite)
-}
-
-/// Commands that show the difference in the first case that failed, by rendering its image again.
-fn what_moved(results: &[CaseResult], suite: &Suite) -> String {
-    let failed = results
-        .iter()
-        .find(|result| result.verdict == Verdict::Fail);
-    let case = failed.and_then(|failed| suite.case(&failed.name));
-    let Some(case) = case else {
-        return String::new();
-    };
-    let scene = case.scene.display().to_string();
-    let golden = format!("{}.exr", suite.golden_folder().join(&case.name).display());
-    let mut render = vec!["volref", "render", &scene, "-o", "now.exr"];
-    let mut compare = vec!["volref", "compare", &golden, "now.exr"];
-    let quick = case.sampling.map(|sampling| sampling.quick.to_string());
-    if let Some(samples) = &quick {
-        render.extend(["--spp", samples]);
-        compare.extend(["--gate", "stochastic"]);
+    let failed = |result: &&CaseResult| result.verdict == Verdict::Fail;
+    match results.iter().find(failed) {
+        Some(failed) => format!(
+            "{text}\nTo see what changed:\n  volref verify {} --report report\n",
+            failed.name
+        ),
+        None => text,
     }
-    compare.extend(["--heatmap", "difference.png"]);
-    format!(
-        "\nTo see what changed:\n  {}\n  {}\n",
-        shell_words::join(render),
-        shell_words::join(compare)
-    )
 }

@@ -3,7 +3,6 @@
 mod case;
 mod forest;
 mod measures;
-mod noise;
 mod pictures;
 pub(super) mod pixels;
 pub(super) mod words;
@@ -21,8 +20,6 @@ pub struct Page<'a> {
     pub title: &'a str,
     /// The command that made it.
     pub command: &'a str,
-    /// The result in a sentence; empty where the verdicts give it.
-    pub headline: &'a str,
     /// What loosens the judgements, in one line; empty where nothing does.
     pub judged_with: &'a str,
     /// Results of the cases.
@@ -34,7 +31,7 @@ pub struct Page<'a> {
 }
 
 impl<'a> Page<'a> {
-    /// The page of a command that is not said, with the headline of its verdicts.
+    /// The page of a command that is not said, without what loosens it.
     pub fn of(
         title: &'a str,
         results: &'a [CaseResult],
@@ -44,7 +41,6 @@ impl<'a> Page<'a> {
         Page {
             title,
             command: "",
-            headline: "",
             judged_with: "",
             results,
             evidence,
@@ -92,10 +88,7 @@ pub fn results_html(page: &Page<'_>) -> String {
             title => page.title,
             command => page.command,
             judged_with => page.judged_with,
-            headline => match page.headline {
-                "" => words::headline(page.results, page.found),
-                given => given.to_owned(),
-            },
+            headline => words::headline(page.results, page.found),
             verdict => overall.name(),
             symbol => words::symbol(overall),
             likely => page.found.likely,

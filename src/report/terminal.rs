@@ -2,7 +2,7 @@
 
 use crate::conventions::Profile;
 use crate::judging::{CaseResult, JudgedWith, KnownStatus, Verdict, is_declared};
-use crate::naming::{Likenesses, SearchStep, Stage};
+use crate::naming::Likenesses;
 use crate::suite::ERROR_OF_TOLERANCE;
 use std::collections::BTreeMap;
 
@@ -25,41 +25,24 @@ pub(crate) fn families_text(results: &[CaseResult]) -> String {
         }
     }
     families.retain(|_, (passed, _)| !passed.is_empty());
-    let rows: Vec<_> = families.into_iter().map(family_row).collect();
-    let widths = [0, 1, 2].map(|column| widest(rows.iter().map(|row| &row[column])));
+    let mut rows = Vec::new();
+    for (family, (passed, all)) in families {
+        let seconds: f64 = passed.iter().map(|result| result.seconds).sum();
+        rows.push((family, format!("{} of {all} pass", passed.len()), seconds));
+    }
+    let wide = widest(rows.iter().map(|row| row.0));
+    let of_counts = widest(rows.iter().map(|row| &row.1));
     let mut text = String::new();
-    for [family, passed, worst, seconds] in &rows {
-        text.push_str(&format!("{family:<0$}  {passed:>1$}", widths[0], widths[1]));
-        if widths[2] > 0 {
-            text.push_str(&format!("   {worst:<0$}", widths[2]));
-        }
-        text.push_str(&format!("  {seconds:>7} s\n"));
+    for (family, passed, seconds) in &rows {
+        text.push_str(&format!(
+            "{family:<wide$}  {passed:>of_counts$}  {seconds:>7.2} s\n"
+        ));
     }
     if !rows.is_empty() && !others.is_empty() {
         text.push('\n');
     }
     text + &verdicts_text(&others) + &summary_text(results)
 }
-
-/// Name, cases that passed of all, worst error of a known answer and seconds of a family.
-fn family_row((family, (passed, all)): (&str, (Vec<&CaseResult>, usize))) -> [String; 4] {
-    let shares = passed
-        .iter()
-        .filter_map(|result| result.metrics.get(ERROR_OF_TOLERANCE));
-    let worst = shares.copied().reduce(f64::max);
-    let worst = worst.map(|share| format!("worst {} of its tolerance", closeness(share)));
-    let seconds: f64 = passed.iter().map(|result| result.seconds).sum();
-    [
-        family.to_owned(),
-        format!("{} of {all} pass", passed.len()),
-        worst.unwrap_or_default(),
-        format!("{seconds:.2}"),
-    ]
-}
-
-/// Share of the first number of a scene from which on a pass says that less would not be seen: what the suite
-/// promises of the mean of an image.
-const UNSEEN: f64 = 0.02;
 
 /// A line for each case, the reason below each that did not pass, and a summary.
 pub(crate) fn results_text(results: &[CaseResult]) -> String {
@@ -96,14 +79,6 @@ pub fn verdict_text(result: &CaseResult, widest: usize) -> String {
     let mut below: Vec<String> = Vec::new();
     if result.verdict != Verdict::Pass {
         below.extend(result.reason.lines().map(str::to_owned));
-    } else if let Some(first) = result.detectable.first()
-        && first.words.ends_with('%')
-        && first.change > UNSEEN
-    {
-        below.push(format!(
-            "an error below {} would not be seen: --decide beside --run takes more samples",
-            first.words
-        ));
     }
     let accepts = "--accept-conventions accepts it";
     let profile = result.profile.as_deref();
@@ -197,7 +172,7 @@ pub fn likely_text(found: &Likenesses, was_cut_short: bool, seconds: f64) -> Str
         .unexplained
         .iter()
         .filter(|it| !it.difference.is_empty());
-    for result in measured.clone().take(MOST_MEASURED) {
+    for result in measured {
         let case = &result.name;
         let is_open = unfinished.iter().any(|search| search.case == *case);
         let head = if result.change_agrees {
@@ -212,57 +187,20 @@ pub fn likely_text(found: &Likenesses, was_cut_short: bool, seconds: f64) -> Str
             text.push_str(&format!("            {sentence}\n"));
         }
     }
-    let more = measured.count().saturating_sub(MOST_MEASURED);
-    if more > 0 {
-        text.push_str(&format!(
-            "\n{more} more cases that nothing known explains: --json and --report say what was measured\n"
-        ));
-    }
     if !unfinished.is_empty() {
-        let named = ["", "no mistake was found: "][usize::from(found.likely.is_empty())];
-        let search = unfinished_text(unfinished, was_cut_short, seconds);
-        text.push_str(&format!("\n{named}{search}\n"));
+        let why = match was_cut_short {
+            true => "was interrupted".to_owned(),
+            false => format!("reached its limit of {seconds} s of work"),
+        };
+        let names: Vec<&str> = unfinished.iter().map(|search| &*search.case).collect();
+        text.push_str(&format!(
+            "\nthe search {why} in {}; run again with --explain {} to continue\n",
+            names.join(", "),
+            MORE_TIME * seconds
+        ));
     }
     text
 }
-
-/// Sentence on the searches that were ended, by the user or by the limit of work, as many `seconds` take.
-fn unfinished_text(unfinished: &[SearchStep], was_cut_short: bool, seconds: f64) -> String {
-    // After the mistakes come closer looks at the nearest, and fits.
-    let has_tried_all = |of: &SearchStep| of.stage == Stage::Singles && of.done == of.of;
-    let why = if was_cut_short {
-        "was interrupted".to_owned()
-    } else if unfinished.iter().all(has_tried_all) {
-        format!("left out closer looks after {seconds} s of work")
-    } else {
-        format!("reached its limit of {seconds} s of work")
-    };
-    let name = |of: &SearchStep| {
-        let (case, stage) = (&of.case, of.stage.name());
-        let done = match of.done == of.of {
-            false => format!("{} of {} {stage} tried", of.done, of.of),
-            true => format!("all {} {stage} tried", of.of),
-        };
-        format!("{case} ({done})")
-    };
-    let mut names: Vec<String> = unfinished.iter().take(MOST_UNFINISHED).map(name).collect();
-    if unfinished.len() > MOST_UNFINISHED {
-        let more = unfinished.len() - MOST_UNFINISHED;
-        names.push(format!("{more} more"));
-    }
-    format!(
-        "the search {why} in {}; run again with --explain {} to continue",
-        names.join(", "),
-        MORE_TIME * seconds
-    )
-}
-
-/// Cases whose differences are described rather than counted, at most: three lines each, as for
-/// mistakes.
-const MOST_MEASURED: usize = 5;
-
-/// Searches that were not finished that are named rather than counted, at most.
-const MOST_UNFINISHED: usize = 3;
 
 /// Whoever goes on with a search is advised to give it this many times the time: what was rendered
 /// is kept, and of the pairs of mistakes hundreds may be left.

@@ -36,48 +36,6 @@ impl Run {
         let text = serde_json::to_vec(self).unwrap_or_default();
         hash(&[text]).chars().take(12).collect()
     }
-
-    /// First difference of `other`, with both values: short words.
-    pub fn difference(&self, other: &Run) -> (String, [String; 2]) {
-        let facts = [self.facts(), other.facts()];
-        let mut names = facts.iter().flat_map(BTreeMap::keys);
-        let name = names.find(|name| facts[0].get(*name) != facts[1].get(*name));
-        let name = name.cloned().unwrap_or_default();
-        let value = |facts: &BTreeMap<String, String>| match facts.get(&name) {
-            Some(value) => shortened(value),
-            None => "none".to_owned(),
-        };
-        let values = facts.each_ref().map(value);
-        (name, values)
-    }
-
-    /// All that makes a run, by name.
-    fn facts(&self) -> BTreeMap<String, String> {
-        let mut facts = self.settings.clone();
-        facts.insert("the command".to_owned(), self.command.clone());
-        let count = format!("{} cases", self.cases.len());
-        facts.insert("the list of cases".to_owned(), count);
-        let cases = self.cases.iter();
-        facts.extend(cases.map(|(name, hash)| {
-            let name = format!("the scene, manifest or golden of {name}");
-            (name, hash.clone())
-        }));
-        facts
-    }
-}
-
-/// The beginning of the first line: of a hash, twelve letters.
-fn shortened(value: &str) -> String {
-    let is_hash = value.len() >= 64
-        && value
-            .bytes()
-            .all(|byte| byte.is_ascii_hexdigit() || byte == b' ');
-    let most = if is_hash { 12 } else { 60 };
-    let line = value.lines().next().unwrap_or_default();
-    match line.char_indices().nth(most) {
-        Some((end, _)) => format!("{} …", &line[..end]),
-        None => line.to_owned(),
-    }
 }
 
 /// Results of a part of a run.
@@ -143,7 +101,7 @@ fn part_file(cases: &[String]) -> String {
 }
 
 /// Name of a folder of results.
-pub const RESULTS: &str = "results";
+const RESULTS: &str = "results";
 
 /// A folder of results, hidden from version control.
 #[derive(Clone, Debug)]

@@ -4,4 +4,4 @@ pub(crate) mod accept;
 pub(crate) mod kept_results;
 
 pub use accept::{AcceptError, Accepted, Change, Request as AcceptRequest, accept};
-pub use kept_results::{KeptResult, Part, RESULTS, ResultFolder, Run};
+pub use kept_results::{KeptResult, Part, ResultFolder, Run};

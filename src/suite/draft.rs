@@ -28,8 +28,6 @@ pub(crate) struct Draft {
     pub file: PathBuf,
     /// Its text.
     pub text: String,
-    /// What it says, for people.
-    pub said: String,
 }
 
 impl Suite {
@@ -48,77 +46,51 @@ impl Suite {
             return Ok(CasesOfScene::Known(known));
         }
         let folder = self.root.join(SCENES);
-        let no_draft = |why: &str, help: String| {
-            let message = format!("no manifest can be written for {}: {why}", file.display());
-            SuiteError::refused(message, help)
+        let inner = real.as_deref().zip(folder.canonicalize().ok());
+        let inner = inner.and_then(|(real, folder)| real.strip_prefix(folder).ok()?.to_str());
+        let inner = inner.map(|name| name.replace('\\', "/"));
+        let Some(inner) = inner.filter(|name| name.matches('/').count() == 1) else {
+            let (file, place) = (file.display(), folder.join("FAMILY/NAME.toml"));
+            return Err(SuiteError::refused(
+                format!(
+                    "no manifest can be written for {file}: it is not among the scenes of the suite"
+                ),
+                format!("scenes of this suite are {}", place.display()),
+            ));
         };
-        let no_scene = |why| {
-            let place = folder.join("FAMILY/NAME.toml");
-            no_draft(why, format!("scenes of this suite are {}", place.display()))
-        };
-        let inner = match (&real, folder.canonicalize()) {
-            (Some(real), Ok(folder)) => real.strip_prefix(folder).ok().map(Path::to_owned),
-            _ => None,
-        };
-        let inner = inner.ok_or_else(|| no_scene("it is not among the scenes of the suite"))?;
-        if inner.components().count() != 2 {
-            return Err(no_scene("it is not in the folder of a family"));
-        }
-        let inner = inner.to_str().map(|name| name.replace('\\', "/"));
-        let inner = inner.ok_or_else(|| no_scene("its name is not UTF-8"))?;
         let case = inner.trim_end_matches(".toml").to_owned();
-        let manifest = Path::new(CASES).join(&inner);
         if self.has_manifest(&case) {
             return Ok(CasesOfScene::Known(vec![case]));
         }
+        let file_of_case = Path::new(CASES).join(&inner);
         let mut manifests = self.records(CASES)?;
-        manifests.push(self.root.join(&manifest));
+        manifests.push(self.root.join(&file_of_case));
         check_names(&manifests)?;
         let scene = Scene::load(file).map_err(SuiteError::Manifest)?;
         let plans = plans(&scene);
         if plans.iter().any(Plan::is_continuous) {
-            let place = self.root.join(&manifest);
-            let help = format!("write {} with class = \"limit\"", place.display());
-            return Err(no_draft("it is an integral without samples", help));
+            let message = format!("{} is an integral without samples", file.display());
+            let help = format!("write {} with class = \"limit\"", file_of_case.display());
+            return Err(SuiteError::refused(message, help));
         }
-        let is_sampled = plans.iter().any(Plan::is_sampled);
-        let (text, said) = text_of(&inner, is_sampled);
+        let class = match plans.iter().any(Plan::is_sampled) {
+            true => format!(
+                "{STOCHASTIC:?}\nconverged_samples = {CONVERGED_SAMPLES}   # per pixel of the golden"
+            ),
+            false => format!("{DETERMINISTIC:?}"),
+        };
+        let source = toml::Value::from(format!("{SCENES}/{inner}"));
+        let text = format!(
+            "# Written by `volref accept`, from then on yours; `volref schema case` lists all keys.\n\
+             class = {class}\n\
+             source = {source}\n\
+             shows = \"What volref rendered when the golden was accepted; nobody has described it yet.\"\n\
+             computes = \"What the scene file says; `volref plan` explains it.\"\n"
+        );
         Ok(CasesOfScene::New(Draft {
             case,
-            file: manifest,
+            file: file_of_case,
             text,
-            said,
         }))
     }
-}
-
-/// The manifest of the scene in the file `inner` of the scenes, and what it says.
-fn text_of(inner: &str, is_sampled: bool) -> (String, String) {
-    let scene = toml::Value::from(format!("{SCENES}/{inner}"));
-    let (class, why, more) = match is_sampled {
-        true => (
-            STOCHASTIC,
-            "its plan uses random numbers",
-            format!("converged_samples = {CONVERGED_SAMPLES}   # per pixel of the golden\n"),
-        ),
-        false => (
-            DETERMINISTIC,
-            "its plan uses no random numbers",
-            String::new(),
-        ),
-    };
-    let text = format!(
-        "# Written by `volref accept`, from then on yours; `volref schema case` lists all keys.\n\
-         class = \"{class}\"   # {why}\n\
-         {more}\
-         source = {scene}\n\
-         shows = \"What volref rendered when the golden was accepted; nobody has described it yet.\"\n\
-         computes = \"What the scene file says; `volref plan` explains it.\"\n"
-    );
-    let samples = match is_sampled {
-        true => format!(", {CONVERGED_SAMPLES} samples per pixel"),
-        false => String::new(),
-    };
-    let said = format!("class {class}, since {why}{samples}; describe there what the image shows");
-    (text, said)
 }

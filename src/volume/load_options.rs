@@ -61,12 +61,6 @@ impl AxisOrder {
     /// Both, by their names.
     pub const ALL: [(&'static str, AxisOrder); 2] =
         [("zyx", AxisOrder::Zyx), ("xyz", AxisOrder::Xyz)];
-
-    /// The order of that name.
-    pub(crate) fn named(name: &str) -> Option<AxisOrder> {
-        let found = AxisOrder::ALL.iter().find(|(known, _)| *known == name);
-        found.map(|(_, order)| *order)
-    }
 }
 
 /// The treatment of a sample that is not finite.

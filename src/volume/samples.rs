@@ -83,11 +83,6 @@ elements! {
 }
 
 impl Element {
-    /// True if samples are whole numbers.
-    pub(crate) fn is_whole(self) -> bool {
-        self.whole_range().is_some()
-    }
-
     /// Its name, such as `uint16`.
     pub fn name(self) -> &'static str {
         let found = Self::ALL.iter().find(|(_, element)| *element == self);

@@ -137,11 +137,6 @@ fn grids_alone() {
     --- stdout
     out/ramp.raw.toml: 225 bytes
     out/ramp.raw: 48 bytes
-
-    in a scene beside it:
-      [classified.volume]
-      file = "ramp.raw.toml"
-      transform = [[1.0, 0.0, 0.0, 1.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]]
     "#);
     let run = folder.volref("export ramp.toml --to raw -o out --json");
     let rows = [

@@ -113,10 +113,6 @@ fn no_output_is_written_over_an_input() {
             "validate smoke/plain --outputs images --junit=golden/smoke/plain.png",
             "plain.png",
         ),
-        (
-            "validate smoke/plain --run false --keep golden",
-            "plain.exr",
-        ),
     ];
     let folder = folder();
     let before = folder.files();

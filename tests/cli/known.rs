@@ -168,7 +168,7 @@ fn a_cause_counts_where_it_was_searched() {
 fn an_update_writes_what_is_new_and_takes_out_what_is_mended() {
     let folder = suite();
     // A new file.
-    let told = "known.toml is written; write the reasons of the 3 new entries";
+    let told = "known.toml is written; 3 new entries need a reason";
     update(&folder).prints(0, &[told]);
     let written = folder.text("known.toml");
     assert!(written.starts_with("# Known failures"), "{written}");

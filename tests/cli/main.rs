@@ -42,7 +42,6 @@ mod peers;
 mod pictures;
 mod plan;
 mod precision;
-mod progress;
 mod render;
 #[cfg(target_os = "linux")]
 mod renderers;

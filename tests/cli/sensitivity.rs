@@ -71,7 +71,7 @@ fn what_is_wrong_is_said() {
         ("render CASE -o a.exr --change density=inf", "finite"),
         (
             "render CASE -o a.exr --change density=-2",
-            "a parameter falls by less than 100 %",
+            "cannot change by -2",
         ),
     ] {
         let line = line.replace("CASE", CASE);

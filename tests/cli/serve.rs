@@ -334,7 +334,7 @@ fn usage() {
             &["--serve", "r", "--decide", "--format", "png"],
             "--decide needs linear radiance",
         ),
-        (&["--serve", "r", "--keep", "golden"], "is an input"),
+        (&["--serve", "r", "--keep", "golden"], "holds goldens"),
     ] {
         let run = folder.volref(&[&["validate"], arguments].concat());
         assert_eq!(run.code, 2, "{arguments:?}: {}", run.stderr);

@@ -219,8 +219,8 @@ fn the_search_for_a_mistake_has_a_budget() {
     let words = words.join(" ");
     assert!(
         words.ends_with(
-            "no mistake was found: the search reached its limit of 0.000001 s of work in smoke/shadow (0 of 241 \
-             single mistakes tried); run again with --explain 0.000006 to continue"
+            "the search reached its limit of 0.000001 s of work in smoke/shadow; run again with --explain 0.000006 to \
+             continue"
         ),
         "{words}"
     );
@@ -228,7 +228,7 @@ fn the_search_for_a_mistake_has_a_budget() {
     let mut command = folder.command("validate shadow --outputs out --explain 1e-6");
     let stderr = String::from_utf8(command.output().unwrap().stderr).unwrap();
     let said =
-        "volref: looking for the mistake in 1 failing case, at most 0.000001 s of work for each";
+        "volref: looking for the mistake in failing cases (1), at most 0.000001 s of work for each";
     assert!(stderr.starts_with(said), "{stderr}");
     let json = folder.json("r.json");
     assert_eq!(json["looks_like"], serde_json::json!([]));

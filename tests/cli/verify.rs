@@ -146,8 +146,7 @@ fn a_changed_voxel_names_the_figures_it_moved() {
     4 cases: 1 passed, 3 failed
 
     To see what changed:
-      volref render fixtures/scenes/smoke/nearest.toml -o now.exr
-      volref compare golden/smoke/nearest.exr now.exr --heatmap difference.png
+      volref verify smoke/nearest --report report
     ");
 }
 

@@ -1,4 +1,4 @@
-//! Error against work, and against time: SVG that needs neither fonts nor network.
+//! Error against work: SVG that needs neither fonts nor network.
 
 use super::words;
 use crate::cost::{Cost, Level, Sweep};
@@ -6,13 +6,12 @@ use crate::math::log10;
 use crate::report::template::xml;
 use minijinja::{Value, context};
 
-/// Width of the drawing, height of a panel, and what is above, below and beside the axes.
+/// Width of the drawing, height of the panel, and what is above, below and beside the axes.
 const WIDTH: f64 = 800.0;
 const HEIGHT: f64 = 340.0;
 const ABOVE: f64 = 26.0;
 const BELOW: f64 = 44.0;
 const LEFT: f64 = 66.0;
-const BETWEEN: f64 = 20.0;
 const RIGHT: f64 = 14.0;
 /// Height of a line of the legend.
 const LINE: f64 = 17.0;
@@ -26,23 +25,15 @@ const LABELS: [(f64, f64, &str); 3] = [
     (7.0, 9.0, "start"),
 ];
 
-/// A panel: an axis of work, or of seconds.
+/// Logarithms at the ends of the axes.
 struct Axes {
-    is_time: bool,
-    /// Logarithms at the ends of the axes.
     x: [f64; 2],
     y: [f64; 2],
-    /// Edges in the drawing.
-    left: f64,
-    right: f64,
 }
 
-/// The place of a setting along an axis; none of no work, or if it was not timed.
-fn across(level: &Level, is_time: bool) -> Option<f64> {
-    let value = match is_time {
-        false => level.work.price(),
-        true => level.time.as_ref()?.median,
-    };
+/// The place of a setting along the axis of work; none of no work.
+fn across(level: &Level) -> Option<f64> {
+    let value = level.work.price();
     (value > 0.0 && level.error.l2 > 0.0 && level.error.l2.is_finite()).then(|| log10(value))
 }
 
@@ -54,42 +45,18 @@ fn ends(places: impl Iterator<Item = f64> + Clone) -> Option<[f64; 2]> {
     Some([low - space, high + space])
 }
 
-/// The diagram of the sweeps of a scene: relative RMS error against work, and against time where that was taken. A curve
-/// for each sweep, hollow marks where the error may be that of the reference, a dotted line of the expected order.
+/// The diagram of the sweeps of a scene: relative RMS error against work. A curve for each sweep, hollow marks where the error may be that of the reference, a dotted line of the expected order.
 pub fn plot(cost: &Cost) -> String {
     let lookups = cost.sweeps.iter().flat_map(|sweep| &sweep.levels);
     let work = match lookups.clone().any(|level| level.work.lookups() > 0.0) {
         true => "lookups per pixel",
         false => "random numbers per pixel",
     };
-    let mut panels = Vec::new();
-    for (is_time, title) in [
-        (false, work),
-        (true, "wall time per pixel: median, min to max"),
-    ] {
-        let places = lookups.clone().filter_map(|level| across(level, is_time));
-        let drawn = lookups
-            .clone()
-            .filter(|level| across(level, is_time).is_some());
-        let errors = drawn.map(|level| log10(level.error.l2));
-        if let (Some(x), Some(y)) = (ends(places), ends(errors)) {
-            panels.push((is_time, title, x, y));
-        }
-    }
-    let count = panels.len().max(1) as f64;
-    let each = (WIDTH - LEFT - RIGHT - (count - 1.0) * (LEFT + BETWEEN)) / count;
-    let panels = panels.into_iter().enumerate();
-    let panels = panels.map(|(index, (is_time, title, x, y))| {
-        let left = LEFT + index as f64 * (each + LEFT + BETWEEN);
-        let axes = Axes {
-            is_time,
-            x,
-            y,
-            left,
-            right: left + each,
-        };
-        context! { title, ..axes.drawn(&cost.sweeps) }
-    });
+    let places = lookups.clone().filter_map(across);
+    let drawn = lookups.filter(|level| across(level).is_some());
+    let errors = drawn.map(|level| log10(level.error.l2));
+    let axes = ends(places).zip(ends(errors)).map(|(x, y)| Axes { x, y });
+    let panel = axes.map(|axes| context! { title => work, ..axes.drawn(&cost.sweeps) });
     let line = |number: usize| ABOVE + HEIGHT + BELOW + LINE * (number as f64 + 0.5);
     let legend = cost.sweeps.iter().enumerate().map(|(at, sweep)| {
         let (y, unit) = (line(at), sweep.parameter.unit());
@@ -104,7 +71,7 @@ pub fn plot(cost: &Cost) -> String {
         width => WIDTH.to_string(),
         height => (line(cost.sweeps.len()) + 0.5 * LINE).to_string(),
         name => words::scene(cost),
-        panels => panels.collect::<Vec<_>>(),
+        panels => Vec::from_iter(panel),
         legend => legend.collect::<Vec<_>>(),
         lowest => decimal(line(cost.sweeps.len())),
     };
@@ -124,19 +91,19 @@ impl Axes {
     fn place(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         let share = |[low, high]: [f64; 2], value: f64| (value - low) / (high - low);
         [
-            self.left + (self.right - self.left) * share(self.x, x),
+            LEFT + (WIDTH - RIGHT - LEFT) * share(self.x, x),
             ABOVE + HEIGHT * (1.0 - share(self.y, y)),
         ]
     }
 
     /// Lines at powers of ten with their labels, at 2 and 5 where there are few, and the curves.
     fn drawn(&self, sweeps: &[Sweep]) -> Value {
-        let (left, right, bottom) = (self.left, self.right, ABOVE + HEIGHT);
-        let across = ticks(self.x, self.is_time).into_iter().map(|(tick, text)| {
+        let (left, right, bottom) = (LEFT, WIDTH - RIGHT, ABOVE + HEIGHT);
+        let across = ticks(self.x).into_iter().map(|(tick, text)| {
             let [x, _] = self.place([tick, self.y[0]]);
             context! { text, x => decimal(x), points => points(&[[x, ABOVE], [x, bottom]]) }
         });
-        let up = ticks(self.y, false).into_iter().map(|(tick, text)| {
+        let up = ticks(self.y).into_iter().map(|(tick, text)| {
             let [_, y] = self.place([self.x[0], tick]);
             let points = points(&[[left, y], [right, y]]);
             context! { text, x => decimal(left - 6.0), y => decimal(y), points }
@@ -157,22 +124,16 @@ impl Axes {
     /// The curve of a sweep, number `at` of them.
     fn curve(&self, at: usize, sweep: &Sweep) -> Value {
         let place = |level: &Level| {
-            let x = across(level, self.is_time)?;
+            let x = across(level)?;
             Some(self.place([x, log10(level.error.l2)]))
         };
         let (right, below, anchor) = LABELS[at % LABELS.len()];
         let levels = sweep.levels.iter().filter_map(|level| {
             let [x, y] = place(level)?;
-            let times = level.time.as_ref().filter(|_| self.is_time);
             let (setting, error) = (&level.setting, words::error(level.error.l2));
             Some(context! {
                 x => decimal(x),
                 y => decimal(y),
-                times => times.map(|times| {
-                    let place = |time| self.place([log10(time), 0.0])[0];
-                    let ends = [times.min, times.max].map(place);
-                    points(&ends.map(|x| [x.clamp(self.left, self.right), y]))
-                }),
                 is_own => level.value == sweep.own,
                 is_hollow => level.error.l2 <= sweep.order.known,
                 told => format!("{}, {setting}: error {error}", sweep.name),
@@ -194,7 +155,7 @@ impl Axes {
     fn guide(&self, sweep: &Sweep) -> Option<String> {
         let levels = sweep.levels.iter().rev();
         let mut sure = levels.filter(|level| level.error.l2 > sweep.order.known);
-        let finest = sure.find_map(|level| Some((across(level, self.is_time)?, level.error.l2)));
+        let finest = sure.find_map(|level| Some((across(level)?, level.error.l2)));
         let ((x, error), order) = (finest?, sweep.order.expected?);
         // The work is proportional to samples, and inversely to steps.
         let (slope, y) = (-order.abs(), log10(error));
@@ -214,7 +175,7 @@ fn short(value: f64) -> String {
 }
 
 /// Logarithms along an axis with their labels.
-fn ticks([low, high]: [f64; 2], is_time: bool) -> Vec<(f64, String)> {
+fn ticks([low, high]: [f64; 2]) -> Vec<(f64, String)> {
     let span = high - low;
     let every = (span / 8.0).ceil();
     let mut ticks = Vec::new();
@@ -226,24 +187,17 @@ fn ticks([low, high]: [f64; 2], is_time: bool) -> Vec<(f64, String)> {
                 _ => span < 2.0,
             };
             if is_wanted && (low..=high).contains(&tick) {
-                ticks.push((tick, tick_label(part, decade, is_time)));
+                ticks.push((tick, tick_label(part, decade)));
             }
         }
     }
     ticks
 }
 
-/// `part` times ten to the power of `decade`, with the unit of a time.
-fn tick_label(part: i32, decade: i32, is_time: bool) -> String {
-    let (unit, power) = match (is_time, decade) {
-        (false, _) => ("", 0),
-        (_, ..-6) => (" ns", -9),
-        (_, -6..-3) => (" µs", -6),
-        (_, -3..0) => (" ms", -3),
-        (_, 0..) => (" s", 0),
-    };
-    match decade - power {
-        left @ 0..5 => format!("{}{unit}", part * 10_i32.pow(left as u32)),
-        left => format!("{part}e{left}{unit}"),
+/// `part` times ten to the power of `decade`.
+fn tick_label(part: i32, decade: i32) -> String {
+    match decade {
+        0..5 => (part * 10_i32.pow(decade as u32)).to_string(),
+        _ => format!("{part}e{decade}"),
     }
 }

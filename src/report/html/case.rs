@@ -1,8 +1,7 @@
 //! The view of one case.
 
 use super::pictures::Views;
-use super::{forest, measures, noise, pixels, words};
-use crate::compare::DifferenceScale;
+use super::{forest, measures, pixels, words};
 use crate::judging::{CaseResult, Evidence, Known, Likeness, Verdict, metric_meaning};
 use minijinja::{Value, context};
 
@@ -35,10 +34,6 @@ pub(super) fn view(
     let views = Views::of(evidence);
     let films = views.films();
     let scale = views.difference_scale(result.gate);
-    let p_values = match &scale {
-        DifferenceScale::StandardErrors(map) => noise::p_values(map),
-        _ => None,
-    };
     let small = |codes: &[[u8; 3]], width| pixels::thumbnail(codes, width, pixels::THUMBNAIL);
     let golden = views.golden;
     let small_golden = golden.map(|film| small(&film.srgb_codes(views.exposure), film.width()));
@@ -58,7 +53,6 @@ pub(super) fn view(
         mistakes => result.looks_like.iter().map(mistake).collect::<Vec<_>>(),
         numbers => result.metrics.iter().map(number).collect::<Vec<_>>(),
         changes => forest::rows(&result.changes),
-        p_values,
         // Red, green and blue over the image, where there are both images.
         means => films.map(|(golden, test)| measures::means(golden, test)),
         // Notes beside the verdict, and oddities of the images.

@@ -12,18 +12,10 @@ pub(super) fn headline(results: &[CaseResult], found: &Likenesses) -> String {
     }
     let failed = Verdict::Fail.count(results);
     let guess = match found.likely.first() {
-        _ if failed == 0 => String::new(),
-        // Nothing was looked for, or not to the end.
+        Some(it) => format!("; {} of {failed} look like “{}”", it.explains, it.mistake),
         None if found.searched < failed || !found.unfinished.is_empty() => String::new(),
-        // The verdicts say how the images follow from the goldens.
-        None if found.unexplained.is_empty() => String::new(),
-        None if found.unexplained.iter().all(|it| it.change_agrees) => {
-            "; a change of a parameter explains it".to_owned()
-        }
+        None if found.unexplained.iter().all(|it| it.change_agrees) => String::new(),
         None => format!("; {}", found.nothing_known(None)),
-        Some(it) if it.explains == failed => format!(": it looks like “{}”", it.mistake),
-        Some(it) if it.explains == 1 => format!("; one of them looks like “{}”", it.mistake),
-        Some(it) => format!("; {} of them look like “{}”", it.explains, it.mistake),
     };
     let is_broken = |result: &&CaseResult| result.metrics.contains_key(NON_FINITE.0);
     let broken = match results.iter().filter(is_broken).count() {

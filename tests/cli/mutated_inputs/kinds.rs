@@ -241,7 +241,6 @@ macro_rules! volume {
             commands: &[
                 concat!("info ", $place, " --json"),
                 concat!("info ", $place, " --json=", $place),
-                concat!("info ", $place, " --as-stored --centring cells"),
             ],
             share: SHARE,
         }

@@ -33,7 +33,6 @@ fn names_are_escaped() {
     let page = Page {
         title: HOSTILE,
         command: HOSTILE,
-        headline: HOSTILE,
         judged_with: HOSTILE,
         ..sample.page()
     };

@@ -23,7 +23,6 @@ impl Sample {
         Page {
             title: "validate: images in ./out",
             command: "volref validate --outputs out --report report",
-            headline: "",
             judged_with: "",
             results: &self.results,
             evidence: &self.evidence,
