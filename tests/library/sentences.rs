@@ -5,13 +5,11 @@ use crate::common::simulated::{Sampling, Shape, edited, sampled, scene, silent};
 use crate::common::suite::{case_of, film_with, searched};
 use volref::compare::stochastic::{judge_at, judge_with};
 use volref::compare::{
-    Conditions, Detectable, Gate, Picture, Sensitivity, judge, measured as measured_difference,
+    Conditions, Gate, Picture, Sensitivity, judge, measured as measured_difference,
 };
 use volref::film::Film;
-use volref::judging::{Verdict, validate};
+use volref::judging::validate;
 use volref::math;
-use volref::naming::{Likenesses, SearchStep, Stage};
-use volref::report::{likely_text, verdict_text};
 use volref::scene::{Model, Scene};
 use volref::sensitivity::numbers_of_place;
 use volref::suite::Output;
@@ -377,64 +375,6 @@ fn nothing_is_measured_of_what_is_not_drawn() {
             .reason;
         assert!(!reason.contains("nothing was drawn"), "{reason}");
     }
-}
-
-/// A search that has tried all mistakes says what it left out after them.
-#[test]
-fn what_a_search_left_out() {
-    let said = |stage, done| {
-        let unfinished = vec![SearchStep {
-            case: "a/b".to_owned(),
-            stage,
-            done,
-            of: 2138,
-            left: None,
-        }];
-        let found = Likenesses {
-            unfinished,
-            ..Likenesses::default()
-        };
-        likely_text(&found, false, 10.0)
-    };
-    let limit = "reached its limit of 10 s of work";
-    let closer = "left out closer looks after 10 s of work in a/b (all 2138 single mistakes tried)";
-    check(vec![
-        row(
-            limit,
-            said(Stage::Singles, 2137),
-            said(Stage::Singles, 2138),
-        ),
-        row(
-            closer,
-            said(Stage::Singles, 2138),
-            said(Stage::Singles, 2137),
-        ),
-    ]);
-}
-
-/// A pass that could not have seen an error of 2 % in the first number of the scene says so.
-#[test]
-fn what_a_pass_would_not_have_seen() {
-    let suite = crate::common::suite::suite();
-    let case = suite.select(&["sampled/thin".to_owned()]).unwrap()[0];
-    let right = rendered("sampled/thin", |_| ());
-    let output = Output::Picture(Box::new(Picture::Radiance(right)));
-    let passed = validate(case, &suite.store(), output, None).result;
-    assert_eq!(passed.verdict, Verdict::Pass);
-    let said = |percent: f64| {
-        let mut result = passed.clone();
-        result.detectable = vec![Detectable {
-            name: "density".to_owned(),
-            words: format!("density {percent} %"),
-            change: 0.01 * percent,
-        }];
-        verdict_text(&result, 20)
-    };
-    check(vec![row(
-        "an error below density 4.75 % would not be seen",
-        said(4.75),
-        said(1.5),
-    )]);
 }
 
 /// A turn of the volume is a parameter of the scene.

@@ -190,7 +190,7 @@ fn somebody_looks_into_a_failure() {
         "{headline}"
     );
     assert!(
-        headline.contains("; one of them looks like “g negated”."),
+        headline.contains(&format!("; 1 of {failed} look like “g negated”.")),
         "{headline}"
     );
 

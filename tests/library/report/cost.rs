@@ -196,41 +196,34 @@ fn texts<'a>(document: &'a Document<'_>) -> Vec<Node<'a, 'a>> {
     nodes.filter(|node| node.has_tag_name("text")).collect()
 }
 
-/// Each curve has a mark with its setting in both panels and a line of its own in the legend; without times there is one
-/// panel; no text begins or ends beyond the edges.
+/// Each curve has a mark with its setting and a line of its own in the legend; no text begins or ends beyond the edges.
 #[test]
 fn a_plot_has_every_setting() {
     let mut cost = sample();
-    for panels in [2, 1] {
-        let svg = cost_plot(&cost);
-        let document = Document::parse(&svg).unwrap();
-        let nodes = texts(&document);
-        let said: Vec<&str> = nodes.iter().filter_map(|node| node.text()).collect();
-        for setting in ["1", "1/2", "1/4", "1/8"] {
-            let count = said.iter().filter(|text| **text == setting).count();
-            assert!(count >= 2 * panels, "{setting}: {said:?}");
-        }
-        assert!(
-            said.contains(&"step [voxels]: order 2.00, expected 2"),
-            "{said:?}"
-        );
-        assert!(said.contains(&"lookups per pixel"), "{said:?}");
-        assert_eq!(svg.contains("wall time"), panels == 2);
-        for node in nodes {
-            let number = |name: &str| -> f64 { node.attribute(name).unwrap().parse().unwrap() };
-            // No letter is narrower than half of its size, on average.
-            let length = 0.5 * 11.5 * node.text().unwrap().chars().count() as f64;
-            let share = match node.attribute("text-anchor") {
-                Some("middle") => 0.5,
-                Some("end") => 1.0,
-                _ => 0.0,
-            };
-            let ends = [-share, 1.0 - share].map(|share| number("x") + share * length);
-            assert!(ends[0] >= 0.0 && ends[1] <= 800.0, "{node:?}: {ends:?}");
-        }
-        for level in cost.sweeps.iter_mut().flat_map(|sweep| &mut sweep.levels) {
-            level.time = None;
-        }
+    let svg = cost_plot(&cost);
+    let document = Document::parse(&svg).unwrap();
+    let nodes = texts(&document);
+    let said: Vec<&str> = nodes.iter().filter_map(|node| node.text()).collect();
+    for setting in ["1", "1/2", "1/4", "1/8"] {
+        let count = said.iter().filter(|text| **text == setting).count();
+        assert!(count >= 2, "{setting}: {said:?}");
+    }
+    assert!(
+        said.contains(&"step [voxels]: order 2.00, expected 2"),
+        "{said:?}"
+    );
+    assert!(said.contains(&"lookups per pixel"), "{said:?}");
+    for node in nodes {
+        let number = |name: &str| -> f64 { node.attribute(name).unwrap().parse().unwrap() };
+        // No letter is narrower than half of its size, on average.
+        let length = 0.5 * 11.5 * node.text().unwrap().chars().count() as f64;
+        let share = match node.attribute("text-anchor") {
+            Some("middle") => 0.5,
+            Some("end") => 1.0,
+            _ => 0.0,
+        };
+        let ends = [-share, 1.0 - share].map(|share| number("x") + share * length);
+        assert!(ends[0] >= 0.0 && ends[1] <= 800.0, "{node:?}: {ends:?}");
     }
     // Where nothing is looked up, random numbers are counted, and called so.
     for level in cost.sweeps.iter_mut().flat_map(|sweep| &mut sweep.levels) {

@@ -1,10 +1,9 @@
 //! The page as a file.
 
-use crate::common::simulated::{Sampling, Shape, sampled, scene};
 use crate::report::asks_for_nothing_outside;
 use crate::report::samples::{self, HOSTILE, Numbers, Sample};
 use volref::compare::flip::SrgbImage;
-use volref::compare::{GATES, Gate, Picture};
+use volref::compare::{GATES, Picture};
 use volref::film::Film;
 use volref::judging::{Evidence, Verdict};
 use volref::report::{Page, results_html};
@@ -56,33 +55,6 @@ fn names_are_escaped() {
 #[test]
 fn the_page_asks_for_nothing_outside() {
     asks_for_nothing_outside(samples::suite_html());
-}
-
-/// Bars that lie in the band, of noise against its golden with `edit` as the test image.
-fn drawn_noise(edit: fn(f64, f64) -> [f64; 3]) -> u32 {
-    let shape = &Shape::all()[0];
-    let film = |seed: u64, samples: u32, truth: fn(f64, f64) -> [f64; 3]| {
-        sampled(Sampling::of(shape, 96, samples, seed), truth)
-    };
-    let mut sample = Sample::default();
-    let evidence = Evidence {
-        golden: Some(film(1, 1024, scene)),
-        test: Some(Picture::Radiance(film(2, 256, edit))),
-        ..Evidence::default()
-    };
-    sample.judged("fog/noise", Gate::Stochastic, evidence);
-    let html = results_html(&sample.page());
-    let (_, rest) = html.split_once("within the band): ").unwrap();
-    rest.split_once(" of 20").unwrap().0.parse().unwrap()
-}
-
-/// Of images that agree most bars lie in the band, 19 of 20 on average; of others few do.
-#[test]
-fn noise_is_drawn_with_what_it_should_be() {
-    let inside = drawn_noise(scene);
-    assert!(inside >= 16, "{inside}");
-    let inside = drawn_noise(|x, y| scene(x, y).map(|value| 1.05 * value));
-    assert!(inside < 10, "{inside}");
 }
 
 /// Every combination of what there may be of golden and test image, under every gate.
