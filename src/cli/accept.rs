@@ -7,17 +7,14 @@ use super::suite::Selection;
 use super::{Outcome, progress};
 use crate::runs;
 use crate::runs::{AcceptError, AcceptRequest, Accepted, Change};
-use crate::suite::{CasesOfScene, Draft, Suite};
 use serde_json::json;
-use std::path::Path;
 
 /// Render cases and accept the images as new goldens
 ///
 /// Look at the images before and after. All cases are accepted, or none.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// Cases, families, or patterns over them such as 'figures/*'; those with ! before them are left out. A scene
-    /// file of the suite without a manifest gets one
+    /// Cases, families, or patterns over them such as 'figures/*'; those with ! before them are left out
     #[arg(value_name = "CASE", required = true)]
     cases: Vec<String>,
     /// What was wrong with the old goldens, or what new ones are for; stored with each golden
@@ -44,20 +41,8 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     };
     let suite = arguments.selection.open_to_change()?;
     output::check(&[arguments.json.file()], &[])?;
-    let (filters, drafts) = with_drafts(&suite, &arguments.cases)?;
     request.check().map_err(failure)?;
-    for draft in &drafts {
-        let path = output::write_within(suite.root(), &draft.file, draft.text.as_bytes())?;
-        progress::note(&format!(
-            "wrote {}: describe there what the image shows",
-            path.display()
-        ));
-    }
-    let suite = match drafts.is_empty() {
-        true => suite,
-        false => arguments.selection.open_to_change()?,
-    };
-    let mut cases = suite.select(&filters)?;
+    let mut cases = suite.select(&arguments.cases)?;
     arguments
         .partition
         .retain(&mut cases, |case| case.name.clone())?;
@@ -96,29 +81,4 @@ fn failure(error: AcceptError) -> Failure {
         exit: Exit::BadInput,
         report: error.into(),
     }
-}
-
-/// The filters, with the names of cases in place of scene files, and the manifests to be written first.
-fn with_drafts(suite: &Suite, given: &[String]) -> Result<(Vec<String>, Vec<Draft>), Failure> {
-    let (mut filters, mut others, mut drafts) = (Vec::new(), Vec::new(), Vec::<Draft>::new());
-    for filter in given {
-        let file = Path::new(filter);
-        let is_scene = file.extension().is_some_and(|it| it == "toml") && file.is_file();
-        match is_scene.then(|| suite.cases_of_scene(file)).transpose()? {
-            None => others.push(filter.clone()),
-            Some(CasesOfScene::Known(names)) => others.extend(names),
-            Some(CasesOfScene::New(draft)) => {
-                filters.push(draft.case.clone());
-                if drafts.iter().all(|other| other.case != draft.case) {
-                    drafts.push(draft);
-                }
-            }
-        }
-    }
-    // A mistake in them is to be found before anything is written; without any, all cases would be chosen.
-    if others.iter().any(|filter| !filter.starts_with('!')) {
-        suite.select(&others)?;
-    }
-    filters.extend(others);
-    Ok((filters, drafts))
 }

@@ -1,8 +1,6 @@
 //! Results as one offline page: which cases are wrong, where, by how much, and what to change.
 
 mod case;
-mod forest;
-mod measures;
 mod pictures;
 pub(super) mod pixels;
 pub(super) mod words;

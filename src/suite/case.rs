@@ -20,9 +20,9 @@ use thiserror::Error;
 /// Folder of scenes, manifests and their files, relative to the root of the suite.
 const FIXTURES: &str = "fixtures";
 /// Folder of the scenes, relative to the root of the suite.
-pub(super) const SCENES: &str = "fixtures/scenes";
+const SCENES: &str = "fixtures/scenes";
 /// Folder of the manifests, relative to the root of the suite.
-pub(super) const CASES: &str = "fixtures/cases";
+const CASES: &str = "fixtures/cases";
 /// Folder of the goldens.
 const GOLDEN: &str = "golden";
 /// Folder for the results of other renderers, among the goldens.
@@ -36,11 +36,11 @@ const CACHE: &str = ".volref";
 pub const MEAN_RESOLUTION: f64 = 0.02;
 
 /// The class of cases that are rendered without random numbers.
-pub(super) const DETERMINISTIC: &str = "deterministic";
+const DETERMINISTIC: &str = "deterministic";
 /// The class of cases whose picture is an integral without samples.
 const LIMIT: &str = "limit";
 /// The class of cases whose pixels are Monte Carlo estimates.
-pub(super) const STOCHASTIC: &str = "stochastic";
+const STOCHASTIC: &str = "stochastic";
 
 /// The declaration of a manifest, `fixtures/cases/<family>/<name>.toml`.
 pub const MANIFEST: Table = Table::new("A case: a scene, its source, and how images of it are compared.").keys(&[
@@ -184,7 +184,7 @@ impl Case {
 /// A folder with `fixtures/cases` and `golden`.
 #[derive(Clone, Debug)]
 pub struct Suite {
-    pub(super) root: PathBuf,
+    root: PathBuf,
     cases: Vec<Case>,
     /// Places of the cases, by name.
     by_name: HashMap<String, usize>,
@@ -353,7 +353,7 @@ impl Suite {
     }
 
     /// The files `*/*.toml` of a part of the suite, sorted.
-    pub(super) fn records(&self, part: &str) -> Result<Vec<PathBuf>, SuiteError> {
+    fn records(&self, part: &str) -> Result<Vec<PathBuf>, SuiteError> {
         let mut records = records(&self.root.join(part))?;
         records.retain(|path| {
             let is_own = |own: &BTreeSet<PathBuf>| {
@@ -460,14 +460,10 @@ impl Suite {
         let given = filter;
         let filter = pattern_of(given);
         if let Some(scene) = self.scene_without_manifest(filter) {
-            let [manifest, file] =
-                [CASES, SCENES].map(|part| self.root.join(part).join(format!("{scene}.toml")));
+            let manifest = self.root.join(CASES).join(format!("{scene}.toml"));
             return format!(
-                "there is a scene {scene}, but no manifest {}, which would make a case of it; \
-                 `volref accept {}{} --reason ...` writes one",
-                manifest.display(),
-                shell_words::quote(&file.display().to_string()),
-                self.option(),
+                "there is a scene {scene}, but no manifest {}, which would make a case of it",
+                manifest.display()
             );
         }
         if self.cases.is_empty() {
@@ -566,7 +562,7 @@ fn sorted_entries(folder: &Path) -> Result<Vec<PathBuf>, SuiteError> {
 }
 
 /// Fails where two manifests have one name.
-pub(super) fn check_names(manifests: &[PathBuf]) -> Result<(), SuiteError> {
+fn check_names(manifests: &[PathBuf]) -> Result<(), SuiteError> {
     let mut files: BTreeMap<String, (String, String)> = BTreeMap::new();
     for path in manifests {
         let (name, file) = (name_of(path), path.display().to_string());

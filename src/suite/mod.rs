@@ -2,7 +2,6 @@
 
 pub(crate) mod answer;
 pub(crate) mod case;
-pub(crate) mod draft;
 pub(crate) mod embedded;
 pub(crate) mod families;
 pub(crate) mod golden;
@@ -19,7 +18,6 @@ pub(crate) use answer::{ERROR_OF_TOLERANCE, OF_TOLERANCE};
 pub use case::{
     Case, CaseSampling, ConvergedSampling, MANIFEST, MEAN_RESOLUTION, Suite, SuiteError,
 };
-pub(crate) use draft::{CasesOfScene, Draft};
 pub(crate) use embedded::EmbeddedSuite;
 pub use families::Family;
 pub use golden::{Golden, GoldenError, LIBM_VERSION, Provenance, Quick};

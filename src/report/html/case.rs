@@ -1,9 +1,12 @@
 //! The view of one case.
 
 use super::pictures::Views;
-use super::{forest, measures, pixels, words};
+use super::{pixels, words};
 use crate::judging::{CaseResult, Evidence, Known, Likeness, Verdict, metric_meaning};
 use minijinja::{Value, context};
+
+/// Changes of parameters that are listed, at most: the others have smaller scores.
+const MOST_CHANGES: usize = 12;
 
 /// A name as the fragment of an address: a browser decodes it again.
 fn fragment(name: &str) -> String {
@@ -32,7 +35,6 @@ pub(super) fn view(
         }
     };
     let views = Views::of(evidence);
-    let films = views.films();
     let scale = views.difference_scale(result.gate);
     let small = |codes: &[[u8; 3]], width| pixels::thumbnail(codes, width, pixels::THUMBNAIL);
     let golden = views.golden;
@@ -52,9 +54,8 @@ pub(super) fn view(
         // With what to do.
         mistakes => result.looks_like.iter().map(mistake).collect::<Vec<_>>(),
         numbers => result.metrics.iter().map(number).collect::<Vec<_>>(),
-        changes => forest::rows(&result.changes),
-        // Red, green and blue over the image, where there are both images.
-        means => films.map(|(golden, test)| measures::means(golden, test)),
+        // Those that fit best come first.
+        changes => result.changes.iter().take(MOST_CHANGES).collect::<Vec<_>>(),
         // Notes beside the verdict, and oddities of the images.
         notes => result.notes.iter().chain(&views.notes).collect::<Vec<_>>(),
         source => evidence.source,
@@ -63,7 +64,7 @@ pub(super) fn view(
         provenance => evidence.provenance,
         reproduce => evidence.reproduce.join("\n"),
         call => evidence.call,
-        output => evidence.output.as_deref().map(words::shortened),
+        output => evidence.output,
         small_golden,
         small_test,
         // For the script; nothing where there is no image at all.

@@ -52,18 +52,6 @@ impl<'a> Views<'a> {
                 "The images differ in size: they can be viewed, but not compared pixel by pixel.";
             notes.push(words.to_owned());
         }
-        if let Some(Picture::Codes(_)) = test {
-            notes.push(format!(
-                "The test image is 8-bit: the golden is converted to sRGB for comparison, at exposure \
-                 {exposure:+}, and differences are in code values, 0 to 255."
-            ));
-        }
-        for (name, film) in [
-            ("golden", golden),
-            ("test image", test.and_then(Picture::radiance)),
-        ] {
-            notes.extend(film.and_then(|film| not_finite(name, film)));
-        }
         Views {
             golden,
             test,
@@ -158,20 +146,6 @@ fn shown<'a, T>(
         return Some(image);
     }
     None
-}
-
-fn not_finite(name: &str, film: &Film) -> Option<String> {
-    let broken = |pixel: &[f32; 3]| pixel.iter().any(|value| !value.is_finite());
-    let pixels = film.radiance();
-    let first = pixels.iter().position(broken)?;
-    let count = pixels.iter().filter(|pixel| broken(pixel)).count();
-    Some(format!(
-        "{count} of {} pixels of the {name} hold NaN or infinity; the first is at ({}, {}). They are \
-         shown chequered.",
-        pixels.len(),
-        first % film.width(),
-        first / film.width()
-    ))
 }
 
 /// Test minus golden, of radiance or of codes.

@@ -54,27 +54,6 @@ pub(in crate::report) fn digits(value: f64) -> String {
     text.replace('-', "−")
 }
 
-/// Bytes kept of a long output: of its beginning, and of its end, where the error usually is.
-const OUTPUT_HEAD: usize = 4_000;
-const OUTPUT_TAIL: usize = 16_000;
-
-/// The output of a program, without its middle if it is long; says so there.
-pub(super) fn shortened(output: &str) -> String {
-    if output.len() <= OUTPUT_HEAD + OUTPUT_TAIL {
-        return output.to_owned();
-    }
-    // At most three bytes on from the middle of a character.
-    let boundary = |from: usize| {
-        (from..)
-            .find(|&at| output.is_char_boundary(at))
-            .unwrap_or(from)
-    };
-    let head = &output[..boundary(OUTPUT_HEAD)];
-    let tail = &output[boundary(output.len() - OUTPUT_TAIL)..];
-    let cut = output.len() - head.len() - tail.len();
-    format!("{head}\n\n[… {cut} bytes are left out here …]\n\n{tail}")
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -94,14 +73,5 @@ mod tests {
         ] {
             assert_eq!(digits(value), text);
         }
-    }
-
-    #[test]
-    fn long_output_loses_its_middle() {
-        assert_eq!(shortened("short"), "short");
-        let long = "ö".repeat(20_000) + "the end";
-        let kept = shortened(&long);
-        assert!(kept.len() < 20_100 && kept.ends_with("the end") && kept.starts_with("öö"));
-        assert!(kept.contains("bytes are left out here"), "{kept}");
     }
 }
