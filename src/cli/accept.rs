@@ -6,7 +6,7 @@ use super::partition::PartitionArgument;
 use super::suite::Selection;
 use super::{Outcome, progress};
 use crate::runs;
-use crate::runs::{AcceptError, AcceptRequest, Accepted, Change};
+use crate::runs::{AcceptRequest, Accepted, Change};
 use serde_json::json;
 
 /// Render cases and accept the images as new goldens
@@ -41,7 +41,6 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     };
     let suite = arguments.selection.open_to_change()?;
     output::check(&[arguments.json.file()], &[])?;
-    request.check().map_err(failure)?;
     let mut cases = suite.select(&arguments.cases)?;
     arguments
         .partition
@@ -50,7 +49,10 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let store = suite.store();
     let accepted = runs::accept(&cases, &store, request, &bar, &|step| bar.show(step));
     bar.finish_and_clear();
-    let accepted = accepted.map_err(failure)?;
+    let accepted = accepted.map_err(|error| Failure {
+        exit: Exit::BadInput,
+        report: error.into(),
+    })?;
 
     let mut text = String::new();
     let mut entries = Vec::new();
@@ -74,11 +76,4 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     }
     let value = json!({ "schema": "volref/accept/1", "cases": entries });
     arguments.json.instead_of(text, &value).map(Outcome::from)
-}
-
-fn failure(error: AcceptError) -> Failure {
-    Failure {
-        exit: Exit::BadInput,
-        report: error.into(),
-    }
 }

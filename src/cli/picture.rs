@@ -9,7 +9,7 @@ use clap::builder::PossibleValuesParser;
 use std::path::{Component, Path, PathBuf};
 
 /// Options of pictures of volume files.
-#[derive(Debug, clap::Args)]
+#[derive(Debug, Default, PartialEq, clap::Args)]
 #[command(next_help_heading = "For a volume file")]
 pub struct Picture {
     /// What a pixel shows
@@ -42,20 +42,11 @@ pub struct Picture {
 impl Picture {
     /// Refuses options that say nothing of a scene.
     pub fn refuse(&self) -> Result<(), Failure> {
-        let given = [
-            ("--mode", self.mode.is_some()),
-            ("--colormap", self.colormap.is_some()),
-            ("--range", self.range.is_some()),
-            ("--spacing", self.spacing.is_some()),
-            ("--size", self.size.is_some()),
-            ("--azimuth", self.azimuth.is_some()),
-            ("--elevation", self.elevation.is_some()),
-            ("--save-scene", self.save_scene.is_some()),
-        ];
-        let Some((option, _)) = given.into_iter().find(|(_, is_given)| *is_given) else {
+        if *self == Picture::default() {
             return Ok(());
-        };
-        let message = format!("{option} is for volume files: a scene states all that it shows");
+        }
+        let message = "--mode, --colormap, --range, --spacing, --size, --azimuth, --elevation and --save-scene are for \
+                       volume files: a scene states all that it shows";
         let help = "change the key in a copy of the scene: `volref plan` shows them all";
         Err(Failure::new(Exit::BadInput, message, Some(help)))
     }

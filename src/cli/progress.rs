@@ -1,5 +1,4 @@
-//! Progress: the current work, its share done and the time left. On a terminal a bar, from the
-//! start; in a pipe a line from time to time, so that a log shows progress. All on stderr.
+//! Progress on a terminal, on stderr: the current work, its share done and the time left; none in a pipe.
 
 use super::output::printable;
 use crate::files::visible::visible;

@@ -26,8 +26,7 @@ pub struct Command<'c> {
 /// Options of a renderer that is run.
 #[derive(Debug, clap::Args)]
 pub struct RendererArguments {
-    /// Time limit of an image, after which the renderer and all its child processes are
-    /// killed
+    /// Time limit of an image, after which the renderer is killed with its process group
     #[arg(long, value_name = "SECONDS", default_value = TIMEOUT, allow_negative_numbers = true, value_parser = seconds)]
     timeout: f64,
     /// Number of cases rendered at the same time

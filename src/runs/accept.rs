@@ -88,7 +88,7 @@ pub struct Request<'r> {
 
 impl Request<'_> {
     /// Fails where no golden may change.
-    pub(crate) fn check(&self) -> Result<(), AcceptError> {
+    fn check(&self) -> Result<(), AcceptError> {
         let (reason, help) = if self.in_ci {
             (
                 "goldens are not accepted where CI is set: nobody looks at the images there",

@@ -62,31 +62,25 @@ pub(crate) fn render_case(
 
 /// Fails where the class of the case is not that of its scene.
 pub(crate) fn check_class(case: &Case, plans: &[Plan<'_>]) -> Result<(), String> {
-    let continuous = plans.iter().filter(|plan| plan.is_continuous()).count();
-    if case.is_limit() && continuous < plans.len() {
+    let right = if plans.iter().any(Plan::is_continuous) {
+        "limit"
+    } else if plans.iter().any(Plan::is_sampled) {
+        "stochastic"
+    } else {
+        "deterministic"
+    };
+    if case.is_limit() && !plans.iter().all(Plan::is_continuous) {
         return Err(
             "the case is a limit, but its scene composites samples, or holds none: say \
             compositing = \"continuous\" in every panel"
                 .to_owned(),
         );
     }
-    if !case.is_limit() && continuous > 0 {
-        return Err(
-            "the scene is an integral without samples: the class of the case is \"limit\""
-                .to_owned(),
-        );
+    if case.class() != right {
+        return Err(format!(
+            "the case states class = {:?}, but its scene is rendered as class = {right:?}",
+            case.class()
+        ));
     }
-    match (case.sampling.is_some(), plans.iter().any(Plan::is_sampled)) {
-        (true, true) | (false, false) => Ok(()),
-        (true, false) => Err(
-            "the case states class = \"stochastic\", but its scene is rendered without random \
-             numbers: state class = \"deterministic\""
-                .to_owned(),
-        ),
-        (false, true) => Err(
-            "the case states class = \"deterministic\", but its scene is rendered with random \
-             numbers: state class = \"stochastic\""
-                .to_owned(),
-        ),
-    }
+    Ok(())
 }

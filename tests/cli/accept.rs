@@ -1,6 +1,6 @@
 //! `volref accept`
 
-use crate::folder::{CURVE, Folder, assert_shown, scene};
+use crate::folder::{Folder, assert_shown};
 
 #[test]
 fn new_goldens() {

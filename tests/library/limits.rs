@@ -244,7 +244,7 @@ fn a_class_of_its_own() {
         .map(|case| verify(case, &suite.store(), &|| ()).result.reason);
     let reasons: Vec<String> = reasons.collect();
     assert!(
-        reasons[0].contains("the class of the case is \"limit\""),
+        reasons[0].contains("is rendered as class = \"limit\""),
         "{reasons:?}"
     );
     assert!(
