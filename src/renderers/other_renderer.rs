@@ -158,7 +158,6 @@ impl OtherRenderer {
         }
         let written = || self.written(case, folder, has_steps, settings);
         let output = by_final_names(failure.unwrap_or_else(written), folder);
-        notes.extend(self.fewer_samples(&output, settings));
         if let Some(kept) = &self.kept
             && let Err(reason) = kept.replace_by_folder(&case.name, folder)
         {
@@ -172,19 +171,6 @@ impl OtherRenderer {
             printed: Some(printed),
             notes,
             call: Some(calls.join("\n")),
-        })
-    }
-
-    /// A note on an image that states half the samples it was asked for or fewer: the gate takes them
-    /// as they are, and allows for the more noise. More are no surprise: renderings add up.
-    fn fewer_samples(&self, output: &Output, settings: CallSettings) -> Option<String> {
-        let Output::Picture(picture) = output else {
-            return None;
-        };
-        let film = picture.radiance().filter(|_| self.asks_for_samples())?;
-        let (stated, asked) = (film.samples()?, u64::from(settings.spp));
-        (2 * stated <= asked).then(|| {
-            format!("the image states {stated} samples per pixel, where {{spp}} asked for {asked}")
         })
     }
 

@@ -104,11 +104,6 @@ pub fn image_path(folder: &Path, name: &str, extension: &str) -> PathBuf {
 /// Halvings that a name may ask for: a step that is a thousandth of the scene's shows nothing new.
 const MOST_HALVINGS: u32 = 10;
 
-/// Extensions of unsupported images, which cause a warning.
-const OTHER_IMAGES: [&str; 10] = [
-    "jpg", "jpeg", "tif", "tiff", "hdr", "npz", "bmp", "webp", "ppm", "raw",
-];
-
 impl Outputs {
     /// Lists the images in `folder` and in the folders within it, for the cases with these names
     /// (`family/name`). No file is opened.
@@ -272,17 +267,8 @@ fn role_of<'c>(
     cases: &[&'c str],
 ) -> Result<Option<(&'c str, Role)>, String> {
     let stem = file.file_stem().unwrap_or_default().to_string_lossy();
-    let extension = file.extension().unwrap_or_default().to_string_lossy();
     let Some(format) = FilmFormat::of(file) else {
-        let is_image = |other: &&str| extension.eq_ignore_ascii_case(other);
-        if !OTHER_IMAGES.iter().any(is_image) {
-            return Ok(None);
-        }
-        return Err(format!(
-            "is not read: .{extension} is none of .exr, .pfm, .npy (linear radiance) and .png (8-bit \
-             sRGB); {}",
-            FilmFormat::conversion(file)
-        ));
+        return Ok(None);
     };
     let (case, role) = belonging(&format!("{family}{stem}"), cases)?;
     if role == Role::Variance && format != FilmFormat::Exr {

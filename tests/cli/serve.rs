@@ -166,8 +166,8 @@ fn faults_are_of_one_case() {
     for (fault, said, programs) in [
         ("exit 3", "the renderer failed: exit status: 3", 2),
         (
-            "echo 'error: no volume' >&2; for i in 1 2 3 4 5; do echo retry >&2; done; kill -SEGV $$",
-            "; its first error:\nerror: no volume; its last output:\nretry",
+            "echo 'error: no volume' >&2; for i in 1 2 3 4; do echo retry >&2; done; kill -SEGV $$",
+            "; its last output:\nerror: no volume\nretry",
             2,
         ),
         ("exit 0", "the renderer ended before it answered", 2),

@@ -600,7 +600,6 @@ fn files_of_no_case_are_named() {
     insta::assert_snapshot!(lines.collect::<String>(), @r#"
     figure-1.1.2.exr does not match any case
     fog/<script>alert('1')<script>.png does not match any case
-    fog/forward.jpg is not read: .jpg is none of .exr, .pfm, .npy (linear radiance) and .png (8-bit sRGB); this format loses digits, which no conversion brings back: write the image again as .exr or .png
     fog/forward.variance.npy is not read: variances are an .exr, with R, G, B and samples.Y
     fog/forwrad.exr does not match any case: did you mean fog/forward?
     frowad.npy does not match any case: did you mean fog/forward?
