@@ -125,8 +125,9 @@ fn sizes_ranges_and_options_that_make_no_picture() {
         &["--save-scene", "a.toml"],
     ] {
         let render = [&["render", "scene.toml", "-o", "x.exr"], option].concat();
-        let message = format!("{} … are for volume files", option[0]);
-        folder.volref(&render).expect(2, &[&message, "volref plan"]);
+        folder
+            .volref(&render)
+            .expect(2, &["are for volume files", "volref plan"]);
     }
     folder
         .volref("render cloud.obj -o x.exr --spacing 1,1,1")

@@ -367,7 +367,10 @@ fn the_search_can_be_interrupted() {
         .unwrap();
     assert_eq!(child.wait().unwrap().code(), Some(1), "{stdout}");
     assert!(stdout.contains("1 case: 0 passed, 1 failed"), "{stdout}");
-    assert_holds(&stdout, &["the search was interrupted in smoke/shadow ("]);
+    assert_holds(
+        &stdout,
+        &["the search was interrupted in smoke/shadow; run again"],
+    );
     let json = folder.json("r.json");
     assert_eq!(json["cases"][0]["verdict"], "fail");
     assert_eq!(json["looks_like"], serde_json::json!([]));
