@@ -10,7 +10,7 @@ use crate::film::{Film, FilmFormat};
 use crate::render::Detail;
 use crate::report::{blue_to_red, widest};
 use crate::scene::{Scene, samples};
-use crate::sensitivity::{Derivative, Differences, Number, derivative, number, numbers};
+use crate::sensitivity::{Differences, Number, derivative, number, numbers};
 use crate::suite::sensitivities_of;
 use serde_json::json;
 use std::path::PathBuf;
@@ -122,8 +122,12 @@ pub fn run(mut arguments: Arguments) -> Result<Outcome, Failure> {
         start.elapsed().as_secs_f64(),
         per_unit(&number),
     );
-    for note in notes(&found, &number) {
-        text.push_str(&format!("note: {note}\n"));
+    if found.unsettled > 0 {
+        text.push_str(&format!(
+            "note: {} pixels have no derivative: an edge crosses them as {name} changes, or their values jump; their \
+             variance says so\n",
+            found.unsettled
+        ));
     }
     let value = json!({
         "schema": "volref/sensitivity/1",
@@ -141,27 +145,6 @@ pub fn run(mut arguments: Arguments) -> Result<Outcome, Failure> {
         "hash": found.film.pixel_hash(),
     });
     arguments.json.instead_of(text, &value).map(Outcome::from)
-}
-
-fn notes(found: &Derivative, number: &Number) -> Vec<String> {
-    let mut notes = Vec::new();
-    if !found.is_central {
-        notes.push(format!(
-            "{} can only change to one side: the difference is one-sided, its error in proportion to \
-             the step",
-            number.name()
-        ));
-    }
-    if found.unsettled > 0 {
-        notes.push(format!(
-            "{} of {} pixels have no derivative: an edge crosses them as {} changes, or their values \
-             jump; their variance says so",
-            found.unsettled,
-            found.film.radiance().len(),
-            number.name()
-        ));
-    }
-    notes
 }
 
 /// The mean of all channels and pixels, and its error, as if pixels were independent.
