@@ -281,7 +281,7 @@ fn role_of<'c>(
         return Err(format!(
             "is not read: .{extension} is none of .exr, .pfm, .npy (linear radiance) and .png (8-bit \
              sRGB); {}",
-            FilmFormat::conversion(file)
+            FilmFormat::CONVERSION
         ));
     };
     let (case, role) = belonging(&format!("{family}{stem}"), cases)?;
