@@ -181,10 +181,6 @@ def write_exr():
     chunks = [c for _, _, chunks in parts for c in chunks]
     exr(folder / "parts-and-tiles.exr", SEVERAL, headers, chunks, several=True)
 
-    empty, inverted = box(0, 0, -1, -1), box(WIDTH - 1, HEIGHT - 1, 0, 0)
-    exr(IMAGES / "bad-display-empty.exr", 0, [exr_header(None, display=empty)], scan_lines)
-    exr(IMAGES / "bad-display-inverted.exr", 0, [exr_header(None, display=inverted)], scan_lines)
-    exr(IMAGES / "bad-data-inverted.exr", 0, [exr_header(None, data=inverted)], scan_lines)
     header = exr_header("tiledimage", tiles=(SIDE, SIDE, ONE_LEVEL))
     twice = lambda i: 0 if i == 1 else i
     exr(IMAGES / "bad-tile-missing.exr", TILED, [header], all_tiles(single), offset_of=twice)

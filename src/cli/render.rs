@@ -234,7 +234,7 @@ fn has_plain_renderer(plan: &Plan<'_>) -> bool {
     !matches!(
         &plan.panel.model,
         Model::Classified(scene)
-            if scene.is_continuous() || scene.conventions != Conventions::default()
+            if scene.continuous || scene.conventions != Conventions::default()
     )
 }
 

@@ -60,8 +60,7 @@ impl Picture {
     /// Reads an image file: `.exr`, `.pfm` and `.npy` as radiance, `.png` as codes.
     pub fn read(path: &Path) -> Result<Picture, PictureError> {
         let in_film = |error| PictureError::of(path, error);
-        let format = FilmFormat::of(path)
-            .ok_or_else(|| in_film(FilmError::Format(FilmFormat::conversion(path))))?;
+        let format = FilmFormat::known(path).map_err(in_film)?;
         let bytes = Picture::bytes(path)?;
         Picture::decode(format, &bytes).map_err(in_film)
     }
@@ -81,9 +80,9 @@ impl Picture {
             FilmFormat::Png => {
                 let (width, height, codes) = Film::codes_from_png(bytes)?;
                 let image = SrgbImage::new(width, height, codes);
-                image
-                    .map(Picture::Codes)
-                    .map_err(|_| FilmError::Empty { width, height })
+                Ok(Picture::Codes(
+                    image.expect("pixels of a size that was checked"),
+                ))
             }
         }
     }

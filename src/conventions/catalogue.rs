@@ -28,7 +28,7 @@ impl Convention {
         match self.edit {
             Edit::EndRaysAt(transmittance) => volume.end_rays_at(transmittance),
             // An exact integral has no step: a step is how a renderer approaches it, and no choice.
-            Edit::StepTimes(factor) if !volume.is_continuous() => volume.step *= factor,
+            Edit::StepTimes(factor) if !volume.continuous => volume.step *= factor,
             Edit::StepTimes(_) => {}
             Edit::Convention(other) => {
                 let has_shadow = volume.shadow.is_some() || !other.in_shadow;

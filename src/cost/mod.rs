@@ -141,7 +141,7 @@ impl Cost {
         let Model::Classified(scene) = &mut panel.model else {
             return panel;
         };
-        if scene.is_continuous() {
+        if scene.continuous {
             let note = "the scene is an integral without samples; here it is sampled";
             self.notes.push(note.to_owned());
             scene.sample();

@@ -21,7 +21,7 @@ use crate::optics::{TransferPoint, TransferPoints};
 use crate::render::{Plan, PlotLayout, plans};
 use crate::scene::{Conventions, Model, Panel, Scene};
 use crate::volume::Grid;
-use inline_arrays::{Entries, Json, entries, to_json};
+use inline_arrays::{Entries, Json, entries};
 
 /// The bundle of `scene`: `NAME.json`, and beside it `NAME.grid-1.raw` and so on for each volume,
 /// `NAME.backdrop-1.raw` for each plot, `NAME.vertices-1.raw` and `NAME.triangles-1.raw` for each mesh of a
@@ -45,7 +45,8 @@ pub(super) fn bundle(scene: &Scene, name: &str, exposure: Option<f64>) -> Result
         "judged": judged(plans(scene).iter().any(Plan::is_sampled)), "panels": Json::List(panels),
     });
     let main = format!("{name}.json");
-    let mut files = vec![(main.clone(), to_json(&description))];
+    let text = description.text("") + "\n";
+    let mut files = vec![(main.clone(), text.into_bytes())];
     files.extend(raw.files);
     Ok(Export { main, files })
 }
@@ -76,11 +77,9 @@ fn content(panel: &Panel, raw: &mut SharedFiles) -> Result<Entries, Refusal> {
 }
 
 fn image(scene: &Scene, exposure: Option<f64>) -> Json {
-    let panels = "side by side from left to right: panel k fills the columns from its \
-                  first_column on, all rows";
-    let pixels = "linear RGB radiance as 32-bit floats, without gamma, exposure or clipping, \
-                  top row first; colours as they reach the eye, that is already multiplied by \
-                  opacity";
+    let panels = "side by side from left to right: panel k fills the columns from its first_column on, all rows";
+    let pixels = "linear RGB radiance as 32-bit floats, without gamma, exposure or clipping, top row first; colours \
+                  as they reach the eye, that is already multiplied by opacity";
     let files = "EXR with channels R, G, B; PFM (which stores the bottom row first); or NPY \
                  of shape (height, width, 3), type float32, C order";
     let mut image: Entries = entries! {
@@ -104,10 +103,9 @@ fn judged(by_noise: bool) -> Json {
                     not state is estimated from the image";
         return Json::Object(entries! { "rule": rule });
     }
-    let rule = "a pixel agrees if in every channel |yours - right| <= tolerance(right), where \
-                tolerance(c) = absolute + relative*|c|; at most outlier_share of the pixels may \
-                disagree, none by more than hard_cap tolerances, and the mean of a channel may be off \
-                by bias_share*tolerance(mean)";
+    let rule = "a pixel agrees if in every channel |yours - right| <= tolerance(right), where tolerance(c) = \
+                absolute + relative*|c|; at most outlier_share of the pixels may disagree, none by more than \
+                hard_cap tolerances, and the mean of a channel may be off by bias_share*tolerance(mean)";
     Json::Object(entries! {
         "rule": rule, "absolute": 1e-3, "relative": 0.01, "outlier_share": 2e-4, "hard_cap": 20.0,
         "bias_share": 0.1,

@@ -4,10 +4,11 @@ use super::forms::{self, Form};
 use super::nested_media::{ExportSurface, NestedMedia, SurfaceKind};
 use super::refusal::Faults;
 use super::view::{ExportView, is_parallel};
-use crate::geometry::{Aabb, ClosedMesh, Emitter, Mesh, Ray, Shape, Side, Surface};
+use crate::geometry::{Aabb, Emitter, Ray, Shape, Side, Surface};
 use crate::optics::{Light, Material};
 use crate::scene::{Object, Panel, Radiative};
 use glam::DVec3;
+use std::ops::Range;
 
 /// Everything of a scene, by its coordinates, with the names that messages use.
 pub(super) struct ExportScene<'s> {
@@ -25,12 +26,13 @@ pub(super) struct ExportScene<'s> {
 
 impl<'s> ExportScene<'s> {
     /// The export of `scene`, which is the model of `panel`. `gap` is the distance that boundaries keep in
-    /// a scene of a given reach: more than the renderer moves the starts of rays off a surface. What
-    /// neither format can say goes to `faults`.
+    /// a scene of a given reach: more than the renderer moves the starts of rays off a surface; `reaches` are those with
+    /// which it can calculate. What neither format can say goes to `faults`.
     pub(super) fn of(
         panel: &Panel,
         scene: &'s Radiative,
         gap: fn(f64) -> f64,
+        reaches: Range<f64>,
         faults: &mut Faults,
     ) -> ExportScene<'s> {
         let size = [panel.width, panel.height];
@@ -72,11 +74,10 @@ impl<'s> ExportScene<'s> {
             .chain(positions.map(|position| position.abs().max_element()))
             .fold(view.eye.abs().max_element(), f64::max)
             .max(view.orthographic_height.unwrap_or(0.0));
-        // Beyond, squares of distances leave the numbers that both renderers calculate with.
-        if !(1e-15..1e15).contains(&reach) {
+        if !reaches.contains(&reach) {
             let what = format!(
-                "coordinates up to {reach:e}, too large or too small for 32-bit numbers; choose \
-                 another unit of length"
+                "coordinates up to {reach:e}, too large or too small for the numbers of this renderer; choose another \
+                 unit of length"
             );
             faults.add("radiative", what);
         }
@@ -112,14 +113,7 @@ fn check_glass(object: &Object, scene: &Radiative, sight: &[Ray]) -> Result<(), 
     if !matches!(object.material, Material::Glass(_)) {
         return Ok(());
     }
-    let closed = |mesh: &Mesh| ClosedMesh::new(mesh.clone()).is_ok();
-    let is_closed = match &object.shape {
-        Shape::Rectangle(_) => false,
-        Shape::Mesh(mesh) => closed(mesh),
-        Shape::PlacedMesh(placed) => closed(placed.shape()),
-        _ => true,
-    };
-    if !is_closed {
+    if let Shape::Rectangle(_) = &object.shape {
         let what = "glass without an inside: the radiance behind it has another scale there";
         return Err(what.to_owned());
     }

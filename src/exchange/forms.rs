@@ -188,24 +188,6 @@ impl Form {
         }
     }
 
-    /// Its size where it is smallest: the shortest edge of a box or rectangle, the diameter of a
-    /// ball. For a mesh, the longest edge of the box around it.
-    pub(super) fn extent(&self) -> f64 {
-        let shortest = |edges: &[DVec3]| {
-            let lengths = edges.iter().map(|edge| edge.length());
-            lengths.fold(f64::INFINITY, f64::min)
-        };
-        match self {
-            Form::Sphere { radius, .. } => 2.0 * radius,
-            Form::Ellipsoid { sphere, to_world } => {
-                Form::cuboid(&sphere.bounds(), to_world).extent()
-            }
-            Form::Box { edges, .. } => shortest(edges),
-            Form::Rectangle { edges, .. } => shortest(edges),
-            Form::Mesh { .. } => self.size().max_element(),
-        }
-    }
-
     /// No two of its points are farther apart than this; of a ball or upright box, some are as
     /// far.
     pub(super) fn across(&self) -> f64 {

@@ -40,12 +40,11 @@ fn only_grid(scene: &Scene, format: Format) -> Result<&Grid<f32>, Refusal> {
     let refusal = |what| Refusal::of(format, "panel", what);
     let mut grids: Vec<&Arc<Grid<f32>>> = Vec::new();
     for panel in &scene.panels {
-        let Some(volume) = panel.classified() else {
+        if panel.classified().is_none() {
             let what = "one without a classified volume: media go to `bundle`, `mitsuba` or `pbrt`";
             return Err(refusal(what));
-        };
-        grids.push(&volume.grid);
-        grids.extend(volume.objects.volumes.iter().map(|volume| &volume.grid));
+        }
+        grids.extend(panel.model.grids());
     }
     let first = grids[0];
     if grids.iter().any(|grid| !Arc::ptr_eq(grid, first)) {

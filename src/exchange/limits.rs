@@ -1,13 +1,13 @@
-//! Limits of pbrt: losses to floats of 32 bits, and values that it clamps.
+//! Limits of pbrt: what it lacks and Mitsuba has, losses to floats of 32 bits, and values that it clamps.
 
 use super::export_scene::ExportScene;
 use super::forms::Form;
-use super::nested_media::{NestedMedium, key_of};
+use super::nested_media::{NestedMedium, PlacedGrid, key_of};
 use super::refusal::Faults;
-use std::ops::RangeInclusive;
-
-/// The rounding of a number of 32 bits, relative to it.
-const ROUNDING: f64 = 1.0 / (1 << 24) as f64;
+use crate::optics::{Light, Phase};
+use crate::scene::Radiative;
+use crate::volume::Interpolation;
+use std::ops::Range;
 
 /// The smallest extent of a shape, times the largest coordinate of it or of the eye.
 ///
@@ -21,7 +21,7 @@ const SMALLEST: f64 = 1.0 / (1 << 16) as f64;
 /// `interaction.h`, `SurfaceInteraction`), so that fourth powers of lengths are to be normal numbers
 /// of 32 bits, from 2⁻¹²⁶ to 2¹²⁸: of a triangle |a × b|² ≥ 2⁻¹²⁶ and, of a ball, (2π² r²)² < 2¹²⁸, which is
 /// r < 2²⁹·⁸. Beyond, normals are 0 or no numbers; before, a triangle counts as degenerate.
-const LENGTHS: RangeInclusive<f64> = 1.0 / (1 << 30) as f64..=(1 << 29) as f64;
+pub(super) const LENGTHS: Range<f64> = 1.0 / (1 << 30) as f64..(1 << 29) as f64;
 
 /// The largest |g|: beyond, pbrt takes this one (`util/scattering.h`, `HenyeyGreenstein`;
 /// `util/sampling.cpp`, `SampleHenyeyGreenstein`).
@@ -33,40 +33,41 @@ const SHARPEST: f64 = 0.99;
 /// in bodies as large as their coordinates, up to 6e-4 of a free path at each bounce.
 const THICKEST: f64 = 1e4;
 
-/// Names what of a scene pbrt's numbers cannot hold.
-pub(super) fn check(export: &ExportScene, faults: &mut Faults) {
-    let eye = export.view.eye.abs().max_element();
-    let mut extent = |key: &str, form: &Form| {
-        let (extent, reach) = (form.extent(), form.reach().max(eye));
-        if extent < SMALLEST * reach {
-            let what = format!(
-                "an extent of {extent:.3e} at coordinates up to {reach:.3e}, of which pbrt's \
-                 32-bit numbers leave {:.0e} uncertain; move the scene to the origin",
-                reach * ROUNDING
-            );
-            faults.add(key, what);
-        } else if !(LENGTHS.contains(&extent) && reach <= *LENGTHS.end()) {
-            let what = format!(
-                "an extent of {extent:.3e} at coordinates up to {reach:.3e}: pbrt's 32-bit normals take \
-                 lengths from {:.0e} to {:.0e}; choose another unit of length",
-                LENGTHS.start(),
-                LENGTHS.end()
-            );
-            faults.add(key, what);
+/// Names what of a scene pbrt lacks, or its numbers cannot hold.
+pub(super) fn check(scene: &Radiative, export: &ExportScene, faults: &mut Faults) {
+    for (index, light) in scene.lights.iter().enumerate() {
+        let Light::Spot(spot) = light else { continue };
+        if spot.inner() < spot.outer() {
+            let what = "a spotlight whose edge falls off linearly in the angle; pbrt's falls off \
+                        in another way: make inner_angle the outer_angle";
+            faults.add(format!("radiative.light[{index}]"), what);
         }
-    };
+    }
+    let eye = export.view.eye.abs().max_element();
     for surface in &export.surfaces {
-        extent(&surface.key, &surface.form);
+        check_extent(&surface.key, &surface.form, eye, faults);
     }
-    let list = &export.nested_media.list;
-    for nested in list.iter().filter(|nested| nested.interface.is_none()) {
-        extent(&key_of(nested.index), &nested.form);
-    }
-    for nested in list {
+    for (at, nested) in export.nested_media.list.iter().enumerate() {
         let key = key_of(nested.index);
-        let g = nested.medium.phase.mean_cosine();
-        if nested.scatters() && g.abs() > SHARPEST {
+        if nested.interface.is_none() {
+            check_extent(&key, &nested.form, eye, faults);
+        }
+        let phase = nested.medium.phase;
+        let g = phase.mean_cosine();
+        if nested.scatters() && !matches!(phase, Phase::HenyeyGreenstein(_)) {
+            let what =
+                format!("the phase function {phase}: pbrt has that of Henyey and Greenstein");
+            faults.add(&key, what);
+        } else if nested.scatters() && g.abs() > SHARPEST {
             let what = format!("g = {g}: pbrt takes any beyond {SHARPEST} as {SHARPEST}");
+            faults.add(&key, what);
+        }
+        let is_nearest = |grid: &PlacedGrid| grid.density.interpolation() == Interpolation::Nearest;
+        if nested.grid.as_ref().is_some_and(is_nearest) {
+            faults.add(&key, "a grid with the value of the nearest node");
+        }
+        if nested.grid.is_none() && export.nested_media.mixture(at).parts.len() > 1 {
+            let what = "a medium within another of a different g: one phase function is at a place";
             faults.add(&key, what);
         }
         let paths = free_paths(nested);
@@ -77,6 +78,17 @@ pub(super) fn check(export: &ExportScene, faults: &mut Faults) {
             );
             faults.add(key, what);
         }
+    }
+}
+
+fn check_extent(key: &str, form: &Form, eye: f64, faults: &mut Faults) {
+    let (across, reach) = (form.across(), form.reach().max(eye));
+    if across < SMALLEST * reach || !LENGTHS.contains(&across) {
+        let what = format!(
+            "an extent of {across:.3e} at coordinates up to {reach:.3e}, which pbrt's 32-bit numbers do not hold; move the \
+             scene to the origin, or choose another unit of length"
+        );
+        faults.add(key, what);
     }
 }
 

@@ -32,14 +32,15 @@ use crate::scene::{Panel, Radiative};
 use crate::volume::Interpolation;
 use glam::DVec3;
 use std::fmt::{Display, Write};
+use std::ops::Range;
 
 /// Distance of the back of a two-sided emitter behind its front, in units of the largest
 /// coordinate.
 const BEHIND: f64 = 1e-5;
 
-/// The smallest extent of a scene that Mitsuba sees well: rays start 9e-5 · (1 + coordinate) off
-/// a surface, so below this that is more than a thousandth of the scene.
-const SMALLEST: f64 = 0.1;
+/// The largest coordinates of scenes that Mitsuba sees well: rays start 9e-5 · (1 + coordinate) off a surface, of smaller
+/// scenes more than a thousandth. Beyond, squares of distances leave the numbers that it calculates with.
+const REACHES: Range<f64> = 0.1..1e15;
 
 /// The distance of boundaries in a scene of this reach: five times that of the starts of rays off a
 /// surface, 1500 roundings (2⁻²⁴) of 1 + the largest coordinate.
@@ -50,7 +51,7 @@ fn gap(reach: f64) -> f64 {
 /// The scene as XML, with its grids and meshes beside it.
 pub(super) fn scene(panel: &Panel, scene: &Radiative, name: &str) -> Result<Export, Refusal> {
     let mut faults = Faults::default();
-    let export = ExportScene::of(panel, scene, gap, &mut faults);
+    let export = ExportScene::of(panel, scene, gap, REACHES, &mut faults);
     if let Some(Intrinsics {
         focal_lengths: [x, y],
         ..
@@ -61,14 +62,6 @@ pub(super) fn scene(panel: &Panel, scene: &Radiative, name: &str) -> Result<Expo
             "camera",
             "pixels that are not square: give `fl_x` and `fl_y` one value",
         );
-    }
-    if export.reach < SMALLEST {
-        let what = format!(
-            "coordinates of at most {}: Mitsuba's rays start 9e-5 off a surface; choose a smaller \
-             unit of length",
-            export.reach
-        );
-        faults.add("radiative", what);
     }
     for nested in &export.nested_media.list {
         if nested.medium.emission != DVec3::ZERO {

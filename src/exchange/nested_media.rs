@@ -18,9 +18,6 @@ use glam::DVec3;
 /// Coordinates nearer to each other than this, times the largest coordinate, are one.
 const SAME: f64 = 1e-6;
 
-/// Coefficients up to here leave room for products of them in 32-bit numbers.
-const LARGEST: f64 = 1e15;
-
 /// A medium and where it ends.
 pub(super) struct NestedMedium<'s> {
     /// Index of the medium in the scene.
@@ -111,15 +108,12 @@ impl<'s> NestedMedia<'s> {
             let inside = sight.iter().filter(starts_in).count();
             if inside == sight.len() {
                 around_eye.push(at);
-            } else if is_parallel(sight)
-                && plane.is_some_and(|plane| plane.touches(&boundary.bounds()))
+            } else if inside > 0
+                || is_parallel(sight)
+                    && plane.is_some_and(|plane| plane.touches(&boundary.bounds()))
             {
-                let what = "parallel rays of the image may begin on either side of its boundary; \
-                            move the eye back";
-                faults.add(key_of(nested.index), what);
-            } else if inside > 0 {
-                let what = "the eye lies in its boundary, and some rays of the image go into it, \
-                            others do not; move the eye or the boundary";
+                let what = "the eye lies in its boundary, or rays of the image may begin on either side of it; move one \
+                            of them";
                 faults.add(key_of(nested.index), what);
             }
         }
@@ -146,8 +140,7 @@ impl<'s> NestedMedia<'s> {
         let moved: Vec<String> = moved.map(|nested| key_of(nested.index)).collect();
         (!moved.is_empty()).then(|| {
             format!(
-                "Faces of {} that lie in surfaces stand {offset:.3e} behind them, where no ray \
-                 sees it.",
+                "Faces of {} that lie in surfaces stand {offset:.3e} behind them, where no ray sees it.",
                 moved.join(", ")
             )
         })
@@ -198,10 +191,6 @@ fn nested_medium<'s>(
     if medium.coefficients.sigma_t() == DVec3::ZERO && medium.emission == DVec3::ZERO {
         return Ok(None);
     }
-    let most = medium.coefficients.sigma_t().max_element();
-    if most > LARGEST {
-        return Err(format!("an extinction of {most:e}, beyond 32-bit numbers"));
-    }
     let Some(boundary) = &body.boundary else {
         let what = "a medium that fills all space; give it a box, sphere or mesh";
         return Err(what.to_owned());
@@ -244,11 +233,6 @@ fn nested_medium<'s>(
 /// The part of a boundary that its grid fills: there the medium ends.
 fn within_grid(placing: Placing<'_>, density: &GridDensity) -> Result<Form, String> {
     let own = density.bounds();
-    // The whole numbers of both formats have 31 bits and a sign.
-    let nodes = density.grid().lattice().nodes();
-    if nodes.iter().any(|&count| count >= i32::MAX as usize - 2) {
-        return Err("a grid of more nodes along an axis than the format can count".to_owned());
-    }
     let bounds = match placing.0 {
         Base::Box(bounds) => {
             let (min, max) = (bounds.min.max(own.min), bounds.max.min(own.max));

@@ -47,7 +47,6 @@ use crate::film::CHANNELS;
 use crate::geometry::Transform;
 use crate::optics::{Light, Material, Phase, Sides};
 use crate::scene::{Panel, Radiative, Scattering};
-use crate::volume::Interpolation;
 use glam::DVec3;
 use std::fmt::{Display, LowerExp};
 
@@ -75,9 +74,8 @@ MakeNamedMaterial \"mirror\" \"string type\" [ \"conductor\" ] \"float roughness
 /// The scene in one file, or one for each channel, with its meshes beside it.
 pub(super) fn scene(panel: &Panel, scene: &Radiative, name: &str) -> Result<Export, Refusal> {
     let mut faults = Faults::default();
-    let export = ExportScene::of(panel, scene, gap, &mut faults);
-    check(scene, &export, &mut faults);
-    limits::check(&export, &mut faults);
+    let export = ExportScene::of(panel, scene, gap, limits::LENGTHS, &mut faults);
+    limits::check(scene, &export, &mut faults);
     let orders = ScatteringOrders::of(scene, &export, &mut faults);
     orders.check_emission(&export, &mut faults);
     let is_grey = colours(scene, &export).all(|colour| colour == DVec3::splat(colour.x));
@@ -120,37 +118,6 @@ pub(super) fn scene(panel: &Panel, scene: &Radiative, name: &str) -> Result<Expo
     faults.none(Format::Pbrt, Export { main, files })
 }
 
-/// Checks for features that pbrt lacks and Mitsuba has.
-fn check(scene: &Radiative, export: &ExportScene, faults: &mut Faults) {
-    for (index, light) in scene.lights.iter().enumerate() {
-        let Light::Spot(spot) = light else { continue };
-        if spot.inner() < spot.outer() {
-            let what = "a spotlight whose edge falls off linearly in the angle; pbrt's falls off \
-                        in another way: make inner_angle the outer_angle";
-            faults.add(format!("radiative.light[{index}]"), what);
-        }
-    }
-    for (at, nested) in export.nested_media.list.iter().enumerate() {
-        let key = key_of(nested.index);
-        let phase = nested.medium.phase;
-        if nested.scatters() && !matches!(phase, Phase::HenyeyGreenstein(_)) {
-            let what =
-                format!("the phase function {phase}: pbrt has that of Henyey and Greenstein");
-            faults.add(&key, what);
-        }
-        if let Some(grid) = &nested.grid {
-            if grid.density.interpolation() == Interpolation::Nearest {
-                faults.add(&key, "a grid with the value of the nearest node");
-            }
-            continue;
-        }
-        if export.nested_media.mixture(at).parts.len() > 1 {
-            let what = "a medium within another of a different g: one phase function is at a place";
-            faults.add(key, what);
-        }
-    }
-}
-
 /// Scattering orders that pbrt counts, and the emission of media.
 struct ScatteringOrders {
     /// `maxdepth`.
@@ -182,9 +149,8 @@ impl ScatteringOrders {
                 Scattering::Multiple(_) => "radiative.max_bounces",
                 _ => "radiative.scattering",
             };
-            let what = "light that media emit beside other light, scattered so often at most: \
-                        pbrt counts the bounces of the two differently; remove the limit, the \
-                        emission or the other lights";
+            let what = "light that media emit beside other light, scattered so often at most: pbrt counts the \
+                        bounces of the two differently; remove the limit, the emission or the other lights";
             faults.add(key, what);
         }
         orders

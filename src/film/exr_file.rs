@@ -5,9 +5,9 @@
 //! the others; of several parts many programs read only the first.
 
 use super::error::{check_claim, check_size};
-use super::exr_completeness::{check_blocks, check_headers, unreadable};
-use super::exr_layers::{Colours, ExrPart, ExrParts, main_layer, name_of, samples_of};
-use super::exr_meaning::{check_opacity, check_part, check_parts, check_primaries};
+use super::exr_completeness::{check_blocks, unreadable};
+use super::exr_layers::{Colours, ExrPart, ExrParts, main_layer, samples_of};
+use super::exr_meaning::{check_opacity, check_part, check_primaries};
 use super::{Film, FilmError, Noise};
 use crate::files::decoder;
 use exr::meta::MetaData;
@@ -23,9 +23,8 @@ const VARIANCE: [&str; 3] = ["variance.R", "variance.G", "variance.B"];
 /// Channel with the number of samples, the same in every pixel.
 const SAMPLES: &str = "samples.Y";
 /// Without the number of samples a variance tells nothing about rare light that was missed.
-const NO_COUNT: &str = "there are variances, but no channel samples.Y: write the number of \
-samples per pixel into it, the same everywhere; or give several renderings with different seeds \
-in place of variances";
+const NO_COUNT: &str = "there are variances, but no channel samples.Y: write the number of samples per pixel into \
+it, the same everywhere; or give several renderings with different seeds in place of variances";
 
 impl Film {
     /// The image as EXR, 32-bit float, lossless: R, G and B; A if there is opacity; Z if there is depth; if there is
@@ -70,10 +69,9 @@ impl Film {
     /// `samples` (Y).
     ///
     /// Deep data, subsampled channels, luminance with chroma, colours that are not linear RGB with the primaries of Rec.709,
-    /// several views, environment maps, pixels that are not square,
-    /// opacity that colours are not multiplied by, the compressions DWAA and DWAB and, of half floats,
-    /// B44 and B44A, windows that end before they begin, and files with a missing block of pixels in
-    /// any part or resolution are refused. Values that are not finite are kept.
+    /// environment maps, pixels that are not square, opacity that colours are not multiplied by, the compressions DWAA
+    /// and DWAB and, of half floats, B44 and B44A, and files with a missing block of pixels in any part or resolution are
+    /// refused. Values that are not finite are kept.
     pub fn from_exr(bytes: &[u8]) -> Result<Film, FilmError> {
         let file = read_file(bytes)?;
         picture(&file, &main_layer(&file)?)
@@ -85,7 +83,7 @@ impl Film {
     pub fn variance_from_exr(bytes: &[u8]) -> Result<(Film, u32), FilmError> {
         let file = read_file(bytes)?;
         let colours = main_layer(&file)?;
-        let samples = beside(&colours, &file, SAMPLES).ok_or(FilmError::Noise(NO_COUNT))?;
+        let samples = samples_of(colours.part, SAMPLES).ok_or(FilmError::noise(NO_COUNT))?;
         Ok((picture(&file, &colours)?, count(samples)?))
     }
 }
@@ -130,11 +128,11 @@ fn picture(file: &ExrParts, colours: &Colours) -> Result<Film, FilmError> {
         .map(|layer| format!("was read from the layer {layer}"))
         .collect();
     let radiance = pixels(colours.rgb);
-    let noise = noise(colours, file)?;
+    let noise = noise(colours)?;
     let samples = match &noise {
         Some(noise) => Some(noise.samples),
         // Without variances the count is only used for advice, so a malformed one is ignored.
-        None => beside(colours, file, SAMPLES).and_then(|samples| count(samples).ok()),
+        None => samples_of(colours.part, SAMPLES).and_then(|samples| count(samples).ok()),
     };
     Ok(Film {
         width: frame.size[0],
@@ -168,7 +166,6 @@ pub(super) fn read_file(bytes: &[u8]) -> Result<ExrParts, FilmError> {
 }
 
 fn read_parts(bytes: &[u8]) -> Result<ExrParts, FilmError> {
-    check_headers(bytes)?;
     // The size is checked in the header, before anything of that size is allocated.
     let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(unreadable)?;
     let mut claimed = 0_u64;
@@ -181,7 +178,6 @@ fn read_parts(bytes: &[u8]) -> Result<ExrParts, FilmError> {
     }
     check_claim(claimed, bytes.len())?;
     meta.headers.iter().try_for_each(check_part)?;
-    check_parts(&meta.headers)?;
     check_blocks(bytes)?;
     read()
         .no_deep_data()
@@ -198,38 +194,16 @@ fn floats(samples: &FlatSamples) -> Vec<f32> {
     samples.values_as_f32().collect()
 }
 
-/// The channel `full_name` of noise (`layer.channel`) for the image in `colours`: in its own
-/// part, or in another that lies where it does.
-fn beside<'f>(
-    colours: &Colours<'f>,
-    file: &'f ExrParts,
-    full_name: &str,
-) -> Option<&'f FlatSamples> {
-    let (layer_name, name) = full_name.split_once('.').expect("a name of ours");
-    let position = |part: &ExrPart| (part.size, part.attributes.layer_position);
-    samples_of(colours.part, full_name).or_else(|| {
-        let parts = file.layer_data.iter();
-        let mut at_its_place = parts.filter(|part| position(part) == position(colours.part));
-        at_its_place.find_map(|part| {
-            if name_of(part) == layer_name {
-                samples_of(part, name).or_else(|| samples_of(part, full_name))
-            } else {
-                samples_of(part, full_name)
-            }
-        })
-    })
-}
-
 /// The noise of the image with the channels `colours`.
-fn noise(colours: &Colours, file: &ExrParts) -> Result<Option<Noise>, FilmError> {
-    let channels = VARIANCE.map(|name| beside(colours, file, name));
+fn noise(colours: &Colours) -> Result<Option<Noise>, FilmError> {
+    let channels = VARIANCE.map(|name| samples_of(colours.part, name));
     if channels.iter().all(Option::is_none) {
         return Ok(None);
     }
     let [Some(r), Some(g), Some(b)] = channels else {
-        return Err(FilmError::Noise("the layer variance lacks R, G or B"));
+        return Err(FilmError::noise("the layer variance lacks R, G or B"));
     };
-    let samples = beside(colours, file, SAMPLES).ok_or(FilmError::Noise(NO_COUNT))?;
+    let samples = samples_of(colours.part, SAMPLES).ok_or(FilmError::noise(NO_COUNT))?;
     Ok(Some(Noise::of_samples(pixels([r, g, b]), count(samples)?)))
 }
 
@@ -269,8 +243,7 @@ impl PixelWindow {
         if covered == 0 || width * height - covered > PixelWindow::MOST_UNCOVERED {
             return Err(FilmError::unsuited(
                 format!(
-                    "the data of this EXR cover {covered} of the {width} × {height} pixels of its \
-                     display window"
+                    "the data of this EXR cover {covered} of the {width} × {height} pixels of its display window"
                 ),
                 "make both windows equal",
             ));
@@ -300,15 +273,11 @@ fn count(samples: &FlatSamples) -> Result<u32, FilmError> {
         _ => samples.values_as_f32().map(f64::from).collect(),
     };
     let first = counts.first().copied().unwrap_or(0.0);
-    if counts.iter().any(|&count| count != first) {
-        return Err(FilmError::Noise(
-            "the number of samples differs between pixels",
-        ));
+    let is_number = first >= 2.0 && first <= f64::from(u32::MAX) && first.fract() == 0.0;
+    match is_number && counts.iter().all(|&count| count == first) {
+        true => Ok(first as u32),
+        false => Err(FilmError::noise(
+            "the number of samples must be a whole number of at least 2, the same in every pixel",
+        )),
     }
-    if !(first >= 2.0 && first <= f64::from(u32::MAX) && first.fract() == 0.0) {
-        return Err(FilmError::Noise(
-            "the number of samples must be a whole number of at least 2",
-        ));
-    }
-    Ok(first as u32)
 }

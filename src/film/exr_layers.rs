@@ -132,9 +132,10 @@ pub(super) fn main_layer(file: &ExrParts) -> Result<Colours<'_>, FilmError> {
         ));
     }
     the_one(&groups, Group::grey)?.ok_or_else(|| {
-        let found = all_names(file);
+        let channels = file.layer_data.iter().flat_map(|part| &part.channel_data.list);
+        let names: Vec<String> = channels.map(|channel| channel.name.to_string()).collect();
         FilmError::unsuited(
-            format!("no layer of the image has the channels R, G and B; there are: {found}"),
+            format!("no layer of the image has the channels R, G and B; there are: {}", names.join(", ")),
             "name those of linear RGB R, G and B (in a layer beauty.R, beauty.G and beauty.B), or the one of a grey \
              image Y",
         )
@@ -186,17 +187,4 @@ fn the_one<'f>(
         ),
         "write one of them without a name, or call it rgba, beauty or combined",
     ))
-}
-
-fn all_names(file: &ExrParts) -> String {
-    let parts = file.layer_data.iter();
-    let names = parts.flat_map(|part| {
-        let prefix = match name_of(part).as_str() {
-            "" => String::new(),
-            name => format!("{name}."),
-        };
-        let channels = part.channel_data.list.iter();
-        channels.map(move |channel| format!("{prefix}{}", channel.name))
-    });
-    names.collect::<Vec<_>>().join(", ")
 }

@@ -33,26 +33,18 @@ impl FilmFormat {
         FilmFormat::with_extension(path.extension()?)
     }
 
-    /// The way from an image that is not read to one that is, by the extension of `path`.
-    pub fn conversion(path: &Path) -> &'static str {
-        let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
-        match extension.to_str().unwrap_or_default() {
-            "npz" => {
-                "an .npz holds several arrays: write the one of the image as .npy, with numpy.save"
-            }
-            "jpg" | "jpeg" | "webp" => {
-                "this format loses digits, which no conversion brings back: write the image again as \
-                 .exr or .png"
-            }
-            "ppm" | "pgm" | "pnm" | "bmp" | "tga" | "gif" => {
-                "convert 8-bit sRGB codes without loss: oiiotool image.ppm -o image.png"
-            }
-            _ => {
-                "write linear radiance as .exr, or convert it: oiiotool image.tif -d float -o image.exr \
-                 (or imageio in Python)"
-            }
-        }
+    /// The format of `path`, or a message about what is supported.
+    pub fn known(path: &Path) -> Result<FilmFormat, FilmError> {
+        FilmFormat::of(path).ok_or_else(|| {
+            let formats = ".exr, .pfm and .npy (linear radiance) and .png (8-bit sRGB)";
+            let message = format!("unknown image extension: supported are {formats}");
+            FilmError::unsuited(message, FilmFormat::CONVERSION)
+        })
     }
+
+    /// The way from an image that is not read to one that is.
+    pub const CONVERSION: &str = "write linear radiance as .exr, or convert without loss: oiiotool image.tif -d float -o \
+        image.exr, or oiiotool image.ppm -o image.png for 8-bit sRGB codes";
 
     /// True if it holds codes of 8 bits in place of radiance.
     pub(crate) fn is_of_codes(self) -> bool {
@@ -82,10 +74,11 @@ impl FilmFormat {
         let extension = self.extension();
         let image = format!("image.{extension}");
         match by_bytes(bytes) {
-            Some(kind) if !kind.is_name(Path::new(&image)) => Err(FilmError::Disguised {
-                extension,
-                really: kind.name,
-            }),
+            Some(kind) if !kind.is_name(Path::new(&image)) => Err(FilmError(format!(
+                "named .{extension}, but it begins like {}: give it the right extension, or write \
+                 one of the supported formats (.exr, .pfm, .npy, .png)",
+                kind.name
+            ))),
             _ => Ok(()),
         }
     }

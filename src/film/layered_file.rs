@@ -40,7 +40,7 @@ impl LayeredFilm {
         sizes.sort_unstable();
         sizes.dedup();
         if sizes.is_empty() {
-            return Err(FilmError::Noise("there is no layer to be written"));
+            return Err(FilmError::noise("there is no layer to be written"));
         }
         let parts = sizes.into_iter().map(|of| {
             let layers = self.layers.iter().filter(|(_, film)| size(film) == of);
@@ -85,7 +85,7 @@ impl LayeredFilm {
                 let (Some(means), Some(errors)) =
                     (colours(&name), colours(&format!("{name}.{ERROR}")))
                 else {
-                    return Err(FilmError::Noise("a layer lacks a channel"));
+                    return Err(FilmError::noise("a layer lacks a channel"));
                 };
                 let variance = errors
                     .into_iter()

@@ -130,17 +130,12 @@ impl Film {
     /// variances of its means of `samples` samples each, at least two. They are used unchanged.
     pub fn with_variance_of(self, variance: &Film, samples: u32) -> Result<Film, FilmError> {
         if self.noise.is_some() {
-            return Err(FilmError::Noise(
-                "both the image and the file beside it state variances: leave one out",
-            ));
+            let both = "both the image and the file beside it state variances: leave one out";
+            return Err(FilmError::noise(both));
         }
         if (self.width, self.height) != (variance.width, variance.height) {
-            return Err(FilmError::Noise(
-                "the image and the file of its variances differ in size",
-            ));
-        }
-        if samples < 2 {
-            return Err(FilmError::Noise("one sample has no variance"));
+            let other = "the image and the file of its variances differ in size";
+            return Err(FilmError::noise(other));
         }
         let variance = variance.radiance.clone();
         Ok(Film {
@@ -285,24 +280,19 @@ impl Film {
     ///
     /// If sizes differ, or both state depths.
     pub(crate) fn with_depth_of(self, depth: &Film) -> Result<Film, FilmError> {
-        if self.depth.is_some() {
-            return Err(FilmError::Depth(
-                "both the image and the file beside it state depths: leave one out",
-            ));
-        }
-        if (self.width, self.height) != (depth.width, depth.height) {
-            return Err(FilmError::Depth(
-                "the image and the file of its depths differ in size",
-            ));
-        }
-        if depth
-            .radiance
-            .iter()
-            .any(|of| of.map(f32::to_bits) != [of[0].to_bits(); 3])
-        {
-            return Err(FilmError::Depth(
-                "depths are one number a pixel, of the shape (height, width), and this is a picture",
-            ));
+        let is_grey = |of: &[f32; 3]| of.map(f32::to_bits) == [of[0].to_bits(); 3];
+        let fault = if self.depth.is_some() {
+            "both the image and the file beside it state depths: leave one out"
+        } else if (self.width, self.height) != (depth.width, depth.height) {
+            "the image and the file of its depths differ in size"
+        } else if !depth.radiance.iter().all(is_grey) {
+            "depths are one number a pixel, of the shape (height, width), and this is a picture"
+        } else {
+            ""
+        };
+        if !fault.is_empty() {
+            let message = format!("the depth of the image cannot be read: {fault}");
+            return Err(FilmError(message));
         }
         let depths = depth.radiance.iter().map(|of| of[0]).collect();
         Ok(self.with_depth(depths))

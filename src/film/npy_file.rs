@@ -36,11 +36,11 @@ impl Film {
     /// become infinite.
     pub fn from_npy(bytes: &[u8]) -> Result<Film, FilmError> {
         let (header, data) = NpyHeader::read(bytes)?;
-        let number = NpyNumber::of(&header.descr)?;
+        let (bytes_each, number) = number(&header.descr)?;
         let [height, width, channels] = axes(&header.shape)?;
         check_size(width, height)?;
         // In 64 bits: with words of 32 the product can overflow.
-        let lengths = [width, height, channels, number.bytes].map(|length| length as u64);
+        let lengths = [width, height, channels, bytes_each].map(|length| length as u64);
         let expected: u64 = lengths.into_iter().product();
         if data.len() as u64 != expected {
             return Err(unreadable(format!(
@@ -56,7 +56,7 @@ impl Film {
             } else {
                 (row * width + column) * channels + channel
             };
-            number.read(&data[index * number.bytes..][..number.bytes])
+            number(&data[index * bytes_each..][..bytes_each])
         };
         let positions = (0..height).flat_map(|row| (0..width).map(move |column| (row, column)));
         if channels == 4 {
@@ -197,83 +197,43 @@ impl NpyHeader {
     }
 }
 
-/// Storage of a number.
-struct NpyNumber {
-    /// 2, 4 or 8.
-    bytes: usize,
-    big_endian: bool,
-}
+/// Bytes of a number, and how they become one of 32 bits: the nearest, infinite beyond their range.
+type Number = (usize, fn(&[u8]) -> f32);
 
-impl NpyNumber {
-    fn of(descr: &str) -> Result<NpyNumber, FilmError> {
-        let big_endian = descr.starts_with('>');
-        let bytes = match descr.strip_prefix(['<', '>']) {
-            Some("f2") => 2,
-            Some("f4") => 4,
-            Some("f8") => 8,
-            _ => return Err(unsuited_type(descr)),
-        };
-        Ok(NpyNumber { bytes, big_endian })
+/// Numbers of this type.
+fn number(descr: &str) -> Result<Number, FilmError> {
+    fn word<const N: usize>(bytes: &[u8]) -> [u8; N] {
+        bytes.try_into().expect("as many bytes")
     }
-
-    /// The number as 32-bit float, to the nearest; infinite beyond its range.
-    fn read(&self, bytes: &[u8]) -> f32 {
-        let mut little = [0; 8];
-        little[..self.bytes].copy_from_slice(bytes);
-        if self.big_endian {
-            little[..self.bytes].reverse();
+    Ok(match descr {
+        "<f2" => (2, |bytes| f16::from_le_bytes(word(bytes)).to_f32()),
+        ">f2" => (2, |bytes| f16::from_be_bytes(word(bytes)).to_f32()),
+        "<f4" => (4, |bytes| f32::from_le_bytes(word(bytes))),
+        ">f4" => (4, |bytes| f32::from_be_bytes(word(bytes))),
+        "<f8" => (8, |bytes| f64::from_le_bytes(word(bytes)) as f32),
+        ">f8" => (8, |bytes| f64::from_be_bytes(word(bytes)) as f32),
+        _ => {
+            let shown: String = descr.chars().take(20).collect();
+            return Err(FilmError::unsuited(
+                format!("an array of dtype {shown:?}"),
+                "radiance and depths are floating-point numbers: save what was there before it was rounded and gamma \
+                 encoded, with image.astype(np.float32); or radiance as 8-bit sRGB in .png",
+            ));
         }
-        let [a, b, c, d, ..] = little;
-        match self.bytes {
-            2 => f16::from_le_bytes([a, b]).to_f32(),
-            4 => f32::from_le_bytes([a, b, c, d]),
-            _ => f64::from_le_bytes(little) as f32,
-        }
-    }
-}
-
-fn unsuited_type(descr: &str) -> FilmError {
-    let shown: String = descr.chars().take(20).collect();
-    let (kind, remedy) = match descr
-        .trim_start_matches(['<', '>', '|', '='])
-        .chars()
-        .next()
-    {
-        Some('u' | 'i' | 'b') => (
-            "whole numbers",
-            "radiance and depths are floating-point numbers: save what was there before it was rounded \
-             and gamma encoded, with image.astype(np.float32); or radiance as 8-bit sRGB in .png",
-        ),
-        Some('O') => (
-            "pickled Python objects",
-            "they are never run; save np.asarray(image, dtype=np.float32)",
-        ),
-        _ => (
-            "numbers of an unsupported type",
-            "save image.astype(np.float32)",
-        ),
-    };
-    FilmError::unsuited(format!("an array of {kind} (dtype {shown:?})"), remedy)
+    })
 }
 
 /// Rows, columns and channels: 1, 3 or 4.
 fn axes(shape: &[usize]) -> Result<[usize; 3], FilmError> {
-    let remedy = match *shape {
-        [height, width] => return Ok([height, width, 1]),
-        [height, width, channels @ (1 | 3 | 4)] => return Ok([height, width, channels]),
-        [1 | 3 | 4, _, _] => {
-            "channels come last: save np.moveaxis(image, 0, -1), of shape (height, width, 3)"
-        }
-        [1, _, _, _] => "it is a stack of one image: save image[0]",
-        _ => {
-            "an image has the shape (height, width, 3), (height, width, 4) with opacity, or \
-             (height, width) if it is grey"
-        }
-    };
-    Err(FilmError::unsuited(
-        format!("an array of shape {}", shown(shape)),
-        remedy,
-    ))
+    match *shape {
+        [height, width] => Ok([height, width, 1]),
+        [height, width, channels @ (1 | 3 | 4)] => Ok([height, width, channels]),
+        _ => Err(FilmError::unsuited(
+            format!("an array of shape {}", shown(shape)),
+            "an image has the shape (height, width, 3), (height, width, 4) with opacity, or (height, width) if it is \
+             grey",
+        )),
+    }
 }
 
 /// The shape in Python's notation; only the first few axes.

@@ -25,12 +25,6 @@ fn word(bytes: &[u8]) -> Result<(&str, &[u8]), FilmError> {
     let end = end.ok_or_else(|| unreadable("its header is truncated or missing"))?;
     let word = std::str::from_utf8(&bytes[..end]);
     let word = word.map_err(|_| unreadable("its header is not text"))?;
-    if word.starts_with('#') {
-        return Err(FilmError::unsuited(
-            "the header of this PFM has a comment, which the format does not know",
-            "write only PF, columns and rows, and the scale",
-        ));
-    }
     Ok((word, &bytes[end..]))
 }
 
@@ -49,13 +43,11 @@ impl Film {
         let (channels, rest) = match word(bytes)? {
             ("PF", rest) => (3, rest),
             ("Pf", rest) => (1, rest),
-            (kind @ ("PF4" | "PH" | "Ph" | "PH4"), _) => {
-                return Err(FilmError::unsuited(
-                    format!("{kind} is a variant of PFM with opacity or half floats"),
-                    "write PF, three 32-bit floats a pixel, or opacity and half floats as .exr",
+            _ => {
+                return Err(unreadable(
+                    "it does not begin with PF or Pf; variants of the format are not read",
                 ));
             }
-            _ => return Err(unreadable("it does not begin with PF or Pf")),
         };
         let (width, rest) = length(rest, "columns")?;
         let (height, rest) = length(rest, "rows")?;
@@ -74,21 +66,16 @@ impl Film {
         };
         if data.len() != expected {
             return Err(unreadable(format!(
-                "{width} × {height} pixels of {channels} channels are {expected} bytes, and {} follow \
-                 the header",
+                "{width} × {height} pixels of {channels} channels are {expected} bytes, and {} follow the header",
                 data.len()
             )));
         }
         let is_little = scale < 0.0;
         let factor = scale.abs();
-        let number = |bytes: &[u8; 4], is_little: bool| {
-            if is_little {
-                f32::from_le_bytes(*bytes)
-            } else {
-                f32::from_be_bytes(*bytes)
-            }
+        let stored = |bytes: &[u8; 4]| match is_little {
+            true => f32::from_le_bytes(*bytes),
+            false => f32::from_be_bytes(*bytes),
         };
-        let stored = |bytes: &[u8; 4]| number(bytes, is_little);
         let (numbers, _) = data.as_chunks::<4>();
         let rows = numbers.chunks_exact(width * channels).rev();
         let pixels = rows.flat_map(|row| row.chunks_exact(channels));
@@ -97,13 +84,6 @@ impl Film {
         if factor != 1.0 {
             let change = format!("was multiplied by {factor}, the magnitude of its scale");
             film.changes_on_reading.push(change);
-        }
-        let mut swapped = numbers.iter().map(|bytes| number(bytes, !is_little));
-        if numbers.iter().map(stored).any(is_strange) && swapped.all(is_ordinary) {
-            film.changes_on_reading.push(format!(
-                "has values of ordinary size only in the other byte order than its scale {text} states: a \
-                 negative scale is little-endian, a positive one big-endian"
-            ));
         }
         Ok(film)
     }
@@ -117,17 +97,3 @@ impl Film {
         bytes
     }
 }
-
-/// A magnitude that radiance seldom has, and ordinary numbers have with their bytes reversed.
-fn is_strange(value: f32) -> bool {
-    !value.is_finite() || value.is_subnormal() || value.abs() > MOST_ORDINARY
-}
-
-/// Zero, or a magnitude that all values of an image hardly have by chance.
-fn is_ordinary(value: f32) -> bool {
-    value == 0.0 || (1.0 / MOST_ORDINARY..=MOST_ORDINARY).contains(&value.abs())
-}
-
-/// Largest ordinary magnitude. Infinity and the usual NaN with their bytes reversed are subnormal, so that
-/// an image that has them in the right order is not suspected.
-const MOST_ORDINARY: f32 = 1e12;

@@ -10,6 +10,7 @@ use super::{Bits, Film, FilmError};
 use crate::files::decoder;
 use image::codecs::png::{CompressionType, FilterType, PngDecoder, PngEncoder};
 use image::{DynamicImage, ExtendedColorType, ImageDecoder, ImageEncoder, Limits};
+use std::fmt::Display;
 use std::io::Cursor;
 
 /// Memory for a row, a chunk and a profile, in bytes: a profile can be a decompression bomb, too.
@@ -54,7 +55,7 @@ impl Film {
     /// Reads 8-bit sRGB codes from a PNG image: colour, grey or palette; 16-bit values become the
     /// nearest codes (v/257). Returns width, height and the codes.
     ///
-    /// Transparent pixels, animations, pixels that are not square, and codes that are not sRGB (other primaries, another gamma or profile) are refused.
+    /// Transparent pixels, animations, and codes that are not sRGB (other primaries, another gamma or profile) are refused.
     pub fn codes_from_png(bytes: &[u8]) -> Result<(usize, usize, Vec<[u8; 3]>), FilmError> {
         decoder::run(|| read(bytes)).map_err(|stopped| FilmError::stopped("PNG", stopped))?
     }
@@ -101,30 +102,12 @@ fn read(bytes: &[u8]) -> Result<(usize, usize, Vec<[u8; 3]>), FilmError> {
     Ok((width, height, codes.collect()))
 }
 
-fn broken(reason: impl ToString) -> FilmError {
-    FilmError::unreadable("PNG", reason.to_string())
-}
-
 /// The error for a file that a crate refuses.
-fn damaged(error: impl ToString) -> FilmError {
-    let words = error.to_string();
-    let words = words.strip_prefix("Format error decoding Png: ");
-    let words = words.map_or_else(|| error.to_string(), str::to_owned);
-    match &*words {
-        "unexpected end of file" => broken("the file ends too early"),
-        "Invalid PNG signature." => broken("it does not begin with the signature of the format"),
-        "limits are exceeded" | "Memory limit exceeded" => FilmError::unsuited(
-            format!(
-                "a row, chunk or profile of this PNG takes more than {} MB",
-                MOST_MEMORY >> 20
-            ),
-            "write the pixels alone",
-        ),
-        words if words.starts_with("CRC error") => broken(
-            "a checksum is wrong: the file was damaged on its way; copy it or write it again",
-        ),
-        words => broken(format!("it is broken ({words:?}): write it again")),
-    }
+fn damaged(error: impl Display) -> FilmError {
+    FilmError::unreadable(
+        "PNG",
+        format!("it is broken ({error}): copy it or write it again"),
+    )
 }
 
 /// Fails if the file is not a single image of sRGB codes.
@@ -133,23 +116,6 @@ fn check_meaning(info: &png::Info) -> Result<(), FilmError> {
         return Err(FilmError::unsuited(
             "this PNG is animated",
             "write a single image",
-        ));
-    }
-    let palette = info.palette.as_deref().unwrap_or_default().len();
-    if !palette.is_multiple_of(3) {
-        let reason = format!("its palette has {palette} bytes, and colours have three each");
-        return Err(broken(reason));
-    }
-    // Rounding to whole pixels a unit is allowed.
-    if let Some(size) = info.pixel_dims
-        && u64::from(size.xppu.abs_diff(size.yppu)) * 1000 > size.xppu.max(size.yppu).into()
-    {
-        return Err(FilmError::unsuited(
-            format!(
-                "the pixels of this PNG are not square: its pHYs says {} columns and {} rows a unit",
-                size.xppu, size.yppu
-            ),
-            "render square pixels, and leave that chunk out",
         ));
     }
     match other_codes(info) {
@@ -170,9 +136,6 @@ fn other_codes(info: &png::Info) -> Option<String> {
     const SRGB: (u8, u8) = (1, 13);
     if let Some(points) = info.coding_independent_code_points {
         let found = (points.color_primaries, points.transfer_function);
-        if found == SRGB && !points.is_video_full_range_image {
-            return Some("its cICP says a narrow range".to_owned());
-        }
         return (found != SRGB).then(|| format!("its cICP says {} and {}", found.0, found.1));
     }
     if let Some(profile) = &info.icc_profile {

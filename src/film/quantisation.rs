@@ -49,8 +49,7 @@ impl FromStr for Bits {
             "8-srgb" => Some(Encoding::Srgb),
             _ => {
                 return Err(
-                    "the bits of a channel are 8, 8-linear or 8-srgb; images of 16 or 32 bits need \
-                     no --bits"
+                    "the bits of a channel are 8, 8-linear or 8-srgb; images of 16 or 32 bits need no --bits"
                         .to_owned(),
                 );
             }

@@ -20,7 +20,9 @@ impl Film {
     /// Fails if sizes differ, if only some have opacity, or if two renderings are equal in every
     /// bit: these are not independent, and their spread would suggest that there is no noise.
     pub fn from_replicates(films: &[Film]) -> Result<Film, FilmError> {
-        check_replicates(films).map_err(FilmError::Replicates)?;
+        check_replicates(films).map_err(|what| {
+            FilmError(format!("not independent renderings of one image: {what}"))
+        })?;
         let first = &films[0];
         let counts: Option<Vec<u32>> = films
             .iter()

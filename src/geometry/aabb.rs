@@ -19,8 +19,6 @@ impl Aabb {
     /// The box between two corners. A flat box is allowed, and empty; a `min` above `max` is an
     /// error.
     pub fn new(min: DVec3, max: DVec3) -> Result<Aabb, InvalidParameter> {
-        require_finite("min", "a corner of the box", min)?;
-        require_finite("max", "a corner of the box", max)?;
         require_finite("min", "the size of the box", max - min)?;
         let message = format_args!(
             "the box's min {min} must not exceed its max {max} on any axis; swap them where it does"

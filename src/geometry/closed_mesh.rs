@@ -121,19 +121,18 @@ fn check(mesh: &Mesh, sharing: &[MeshEdge]) -> Result<(), String> {
     let face = mesh.face_name(sharing[0].face);
     match sharing {
         [a, b] if a.ascending != b.ascending => Ok(()),
-        [_] => Err(format!(
-            "the mesh is open: the edge from {from} to {to} belongs to {face} only; a medium or glass needs a closed \
-             boundary, so fill the hole, or merge vertices by distance where they almost coincide, for instance in \
-             Blender or MeshLab"
-        )),
         [_, b] => Err(format!(
             "{face} and {} run along the edge from {from} to {to} in the same direction, so one of them is inside out; \
              reverse the order of its corners",
             mesh.face_name(b.face)
         )),
-        more => Err(format!(
-            "{} faces meet at the edge from {from} to {to}, among them {face}; a closed boundary has exactly two at each",
-            more.len()
+        all => Err(format!(
+            "the edge from {from} to {to} belongs to {}, {face} among them, and a closed boundary has two at each: fill \
+             the hole, or merge vertices by distance, for instance in Blender or MeshLab",
+            match all.len() {
+                1 => "one face".to_owned(),
+                count => format!("{count} faces"),
+            }
         )),
     }
 }

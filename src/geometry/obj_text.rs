@@ -8,6 +8,8 @@
 //! A last line without a line end is read, since many programs write none: that it lost digits
 //! cannot be told.
 
+use crate::files::file_kind::by_bytes;
+use std::borrow::Cow;
 use thiserror::Error;
 
 /// Mistake in an OBJ file, or in a mesh, and how to mend it.
@@ -37,28 +39,6 @@ impl ObjFault {
     }
 }
 
-/// The format of a mesh that is not OBJ, by its first bytes.
-fn other_format(bytes: &[u8]) -> Option<&'static str> {
-    let begins = |start: &[u8]| {
-        let rest = bytes.strip_prefix(start);
-        rest.is_some_and(|rest| rest.first().is_some_and(u8::is_ascii_whitespace))
-    };
-    // A header of 80 bytes without meaning, the number of triangles, 50 bytes for each.
-    let count = bytes.get(80..84).and_then(|count| count.try_into().ok());
-    let count = count.map(|count| u64::from(u32::from_le_bytes(count)));
-    if begins(b"ply") {
-        Some("PLY")
-    } else if begins(b"solid") || count.is_some_and(|it| 84 + 50 * it == bytes.len() as u64) {
-        Some("STL")
-    } else if begins(b"OFF") {
-        Some("OFF")
-    } else if bytes.starts_with(b"glTF") {
-        Some("glTF")
-    } else {
-        None
-    }
-}
-
 /// A segment of bytes without blanks, and where it stands.
 pub(crate) struct Word<'a> {
     /// The bytes.
@@ -68,14 +48,9 @@ pub(crate) struct Word<'a> {
 }
 
 impl Word<'_> {
-    /// The word for a message: made printable, and cut where it is long.
-    pub fn text(&self) -> String {
-        const LONGEST: usize = 40;
-        let text = String::from_utf8_lossy(self.bytes);
-        match text.char_indices().nth(LONGEST) {
-            Some((end, _)) => format!("{}…", &text[..end]),
-            None => text.into_owned(),
-        }
+    /// The word for a message.
+    pub fn text(&self) -> Cow<'_, str> {
+        String::from_utf8_lossy(self.bytes)
     }
 
     /// A mistake in this word.
@@ -100,10 +75,6 @@ impl Word<'_> {
 
     /// The keyword of the format that the word is.
     pub fn keyword(&self) -> Result<&'static str, ObjFault> {
-        if self.bytes == b"call" {
-            let message = "`call` includes another file, which is not read: put its lines here";
-            return Err(self.fault(message.to_owned()));
-        }
         let mut known = KEYWORDS.split_ascii_whitespace();
         known
             .find(|known| known.as_bytes() == self.bytes)
@@ -117,11 +88,11 @@ impl Word<'_> {
     }
 }
 
-/// Every keyword of the format's specification.
+/// Every keyword of the format's specification, but those that run something else.
 const KEYWORDS: &str = "
     v f vn vt vp p l o g s mg mtllib usemtl maplib usemap cstype deg bmat step curv curv2 surf
     parm trim hole scrv sp end con bevel c_interp d_interp lod shadow_obj trace_obj ctech
-    stech call csh
+    stech
 ";
 
 /// The statements of a file: its lines, with continued ones put together.
@@ -133,11 +104,10 @@ pub(crate) struct Statements<'a> {
 impl<'a> Statements<'a> {
     /// Statements of a file, which must be text.
     pub fn of(bytes: &'a [u8]) -> Result<Statements<'a>, ObjFault> {
-        if let Some(name) = other_format(bytes) {
+        if let Some(kind) = by_bytes(bytes) {
             return Err(ObjFault::in_file(format!(
-                "this is a file of the format {name}, and only OBJ is read: convert it with a mesh \
-                 editor (Blender, MeshLab), or in Python: \
-                 trimesh.load(\"FILE\").export(\"mesh.obj\")"
+                "this begins like {}, and only OBJ is read: convert it with a mesh editor (Blender, MeshLab)",
+                kind.name
             )));
         }
         if bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff") || bytes.contains(&0) {
@@ -153,10 +123,10 @@ impl<'a> Statements<'a> {
 
     /// Puts the words of the next statement into `words`: none for a blank line or a comment.
     /// False at the end of the file.
-    pub fn read_next(&mut self, words: &mut Vec<Word<'a>>) -> Result<bool, ObjFault> {
+    pub fn read_next(&mut self, words: &mut Vec<Word<'a>>) -> bool {
         words.clear();
         if self.rest.is_empty() {
-            return Ok(false);
+            return false;
         }
         loop {
             let line = self.next_line();
@@ -167,16 +137,8 @@ impl<'a> Statements<'a> {
                 Some(_) => None,
             };
             push_words(continued.unwrap_or(code), self.line, words);
-            let Some(before) = continued else {
-                return Ok(true);
-            };
-            if self.rest.is_empty() {
-                return Err(ObjFault {
-                    position: Some([self.line, before.len() + 1]),
-                    message: "the file ends where this line is to go on on the next: it was cut \
-                              off, or the backslash must go"
-                        .to_owned(),
-                });
+            if continued.is_none() || self.rest.is_empty() {
+                return true;
             }
         }
     }

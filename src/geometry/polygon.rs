@@ -1,7 +1,6 @@
 //! Polygons as fans of triangles.
 
 use super::mesh::perpendicular;
-use crate::math::power_of_two_below;
 use glam::{DVec2, DVec3};
 
 /// Corners of all fans tried for one polygon: those of a polygon of a million corners take as long as reading it.
@@ -34,22 +33,12 @@ const NO_AREA: &str = "this polygon has no area, or crosses itself: remove it, o
 const NOT_A_FAN: &str = "no fan of triangles from one corner covers this polygon, or it crosses itself: triangulate faces when you \
      export the mesh (in Blender: \"Triangulated Mesh\"), or split it";
 
-/// The corners without the coordinate of the axis nearest to the normal, anticlockwise, scaled by a
-/// power of two to at most 1: no digit is lost.
+/// The corners without the coordinate of the axis nearest to the normal, anticlockwise.
 fn seen_along_normal(corners: &[DVec3]) -> Result<Vec<DVec2>, &'static str> {
-    let reach = |points: &mut dyn Iterator<Item = DVec3>| {
-        points.fold(0.0, |most: f64, it| most.max(it.abs().max_element()))
-    };
-    let scale = |points: &mut dyn Iterator<Item = DVec3>| {
-        0.5 / power_of_two_below(reach(points).max(f64::MIN_POSITIVE))
-    };
-    let whole = scale(&mut corners.iter().copied());
-    let scaled: Vec<DVec3> = corners.iter().map(|&it| it * whole).collect();
-    let from_first = || scaled.iter().map(|&it| it - scaled[0]);
-    let size = scale(&mut from_first());
+    let from_first = || corners.iter().map(|&it| it - corners[0]);
     let sides = from_first().zip(from_first().skip(1));
     // Newell's: twice the area seen along each axis.
-    let normal: DVec3 = sides.map(|(a, b)| (a * size).cross(b * size)).sum();
+    let normal: DVec3 = sides.map(|(a, b)| a.cross(b)).sum();
     let axis = normal.abs().max_position();
     let (x, y) = ((axis + 1) % 3, (axis + 2) % 3);
     let (x, y) = match normal[axis] {
@@ -57,7 +46,7 @@ fn seen_along_normal(corners: &[DVec3]) -> Result<Vec<DVec2>, &'static str> {
         area if area < 0.0 => (y, x),
         _ => return Err(NO_AREA),
     };
-    Ok(scaled.iter().map(|it| DVec2::new(it[x], it[y])).collect())
+    Ok(corners.iter().map(|it| DVec2::new(it[x], it[y])).collect())
 }
 
 /// True if the fan from the corner `first` goes around it in one sense, and less than once.

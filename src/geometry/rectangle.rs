@@ -51,17 +51,8 @@ impl Rectangle {
 
     /// The rectangle with a corner and the two edges that start there, in world units.
     pub fn new(corner: DVec3, edge_u: DVec3, edge_v: DVec3) -> Result<Rectangle, InvalidParameter> {
-        for (what, vector) in [
-            ("the corner of the rectangle", corner),
-            ("an edge of the rectangle", edge_u),
-            ("an edge of the rectangle", edge_v),
-            (
-                "the opposite corner of the rectangle",
-                corner + edge_u + edge_v,
-            ),
-        ] {
-            require_finite("corner", what, vector)?;
-        }
+        let opposite = corner + edge_u + edge_v;
+        require_finite("corner", "the opposite corner of the rectangle", opposite)?;
         let no_area = || {
             let message = format!(
                 "a rectangle with edges {edge_u} and {edge_v} has no area; give two edges that are not parallel"

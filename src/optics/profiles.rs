@@ -160,7 +160,11 @@ mod tests {
         let depth = 0.8 * 2.5 * -crate::math::exp_m1(-4.0 / 2.5);
         assert!((profile.optical_depth(0.0, 4.0) / depth - 1.0).abs() < 1e-14);
 
-        let ramp = LinearRamp::new(1.0, DVec3::ZERO, DVec3::new(0.25, 0.0, 0.5)).unwrap();
+        let ramp = LinearRamp {
+            density: 1.0,
+            origin: DVec3::ZERO,
+            gradient: DVec3::new(0.25, 0.0, 0.5),
+        };
         let profile = LinearProfile::along(&slanted, &ramp);
         let depth = profile.optical_depth(0.0, 4.0);
         let seen = by_quadrature(|t| ramp.density(slanted.at(t)), 4.0);

@@ -70,7 +70,7 @@ pub fn render(
     for (panel, &through_centres) in scene.panels.iter().zip(through_centres) {
         let size = [panel.width, panel.height];
         films.push(match &panel.model {
-            Model::Classified(scene) if scene.is_continuous() => {
+            Model::Classified(scene) if scene.continuous => {
                 return Err(ReferenceError::Unknown(
                     "the integral itself, without samples",
                 ));

@@ -94,7 +94,7 @@ pub(crate) fn render_part(
             film,
             work,
         }),
-        // Finite, or it had been refused before, but not as a number of 32 bits.
+        // Perhaps finite, but not as a number of 32 bits.
         Some(([column, row], value)) if value.contains(&f32::INFINITY) => {
             Err(RenderError::TooBright { column, row })
         }

@@ -177,7 +177,7 @@ impl<'s> Plan<'s> {
     /// Whether the image is the integral of a classified volume, without samples.
     pub fn is_continuous(&self) -> bool {
         matches!(&self.panel.model, Model::Classified(scene)
-            if scene.is_continuous() && scene.mode == Mode::Composited)
+            if scene.continuous && scene.mode == Mode::Composited)
     }
 
     /// Names of the effects that the scene could have requested and did not, and the omitted parts

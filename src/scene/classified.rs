@@ -185,7 +185,7 @@ impl Classified {
         let boxes = volumes.iter().map(|it| it.bounds);
         let bounds = boxes.chain(surfaces).reduce(Aabb::union).expect("a volume");
         let (camera, target) = camera::framing(camera_reader, &bounds, size)?;
-        let light = read_light(reader, camera_reader, &camera, target)?;
+        let light = read_light(reader, &camera, target)?;
 
         let phong = reader.table_as("phong", Phong::read)?;
         for surface in &mut objects.surfaces {
@@ -195,9 +195,8 @@ impl Classified {
             it.volume.phong = it.reader.table_as("phong", Phong::read)?.or(phong);
         }
         reader.table_as("shadow", |reader| read_shadows(reader, &mut volumes))?;
-        let conventions = |reader: &Reader| read_conventions(reader, &mode);
-        let conventions = reader.table_as("conventions", conventions)?;
-        let conventions = conventions.unwrap_or_default();
+        let conventions = reader.table_as("conventions", Conventions::read)?;
+        let conventions = conventions.unwrap_or_default().of_mode(&mode);
         let mut volumes = volumes.into_iter().map(|it| it.volume);
         let first = volumes.next().expect("a volume");
         objects.modulation = first.modulation;
@@ -219,22 +218,12 @@ impl Classified {
             conventions,
             objects,
         };
-        scene.check(reader, camera_reader)?;
-        scene.check_objects(reader, &names)?;
+        let checked = scene.check_eye();
+        checked.map_err(|message| camera_reader.error("eye", message))?;
+        let checked = scene.check_shadow_samples();
+        checked.map_err(|message| reader.error("shadow", message))?;
+        scene.check_objects(reader)?;
         Ok(scene)
-    }
-
-    /// Refuses rays of too many samples, and light that is too bright for numbers.
-    fn check(&self, reader: &Reader, camera_reader: &Reader) -> SceneResult<()> {
-        self.check_eye().map_err(|message| {
-            let help = "move the eye nearer, with a wider `vertical_fov`, or make `step` longer";
-            camera_reader.mistake("eye", message, help)
-        })?;
-        self.check_shadow_samples().map_err(|message| {
-            let help = "make `step`, `classified.shadow.step` or both longer";
-            reader.mistake("shadow", message, help)
-        })?;
-        reader.accepted_at("volume", self.check_brightness())
     }
 
     /// Ends rays where the transmittance falls below `threshold`, in (0, 1), and so goes front to
@@ -244,25 +233,11 @@ impl Classified {
         self.compositing = Compositing::EarlyTermination(threshold);
     }
 
-    /// Refuses a scene whose radiance may exceed the range of `f32`.
+    /// An upper bound on the radiance of all samples, surfaces and the background.
     ///
     /// A pixel is an average of what its samples emit and of the background. A sample sends
     /// out at most the brightest colour as shading makes it, times the strength of the densest
     /// voxel; one that is transparent emits nothing.
-    pub fn check_brightness(&self) -> Result<(), String> {
-        let brightest = self.brightest();
-        // Half of the largest number leaves room for the rounding of cosines and sums.
-        let limit = f64::from(f32::MAX / 2.0);
-        if brightest <= limit {
-            return Ok(());
-        }
-        Err(format!(
-            "densities or colours make pixels of up to {brightest:e} with this shading and background; an image holds \
-             at most {limit:e}"
-        ))
-    }
-
-    /// An upper bound on the radiance of all samples, surfaces and the background.
     pub fn brightest(&self) -> f64 {
         if self.has_objects() {
             let surfaces = self
@@ -284,11 +259,6 @@ impl Classified {
             self.transfer_function.emission(most) * shaded
         };
         sent.max(self.background.max_element())
-    }
-
-    /// Whether the image is the integral itself, without samples.
-    pub fn is_continuous(&self) -> bool {
-        self.continuous
     }
 
     /// True if projections and isosurfaces are exact, not sampled. Mistakes in them are made by samples.
@@ -371,10 +341,9 @@ impl Classified {
         if farthest.is_finite() && farthest * f64::EPSILON <= self.step {
             return Ok(());
         }
+        let step = self.step;
         Err(format!(
-            "the eye is {farthest:.3e} world units from the volume, where distances are rounded \
-             by more than a step of {:e}",
-            self.step
+            "the eye is {farthest:.3e} world units away, where distances are rounded by more than a step of {step:e}"
         ))
     }
 
@@ -391,13 +360,12 @@ impl Classified {
             samples += most(diagonal, alone.step);
             of_shadow += most(diagonal, alone.shadow.unwrap_or(shadow).step);
         }
-        let (samples, diagonal) = (samples * of_shadow, self.diagonal());
+        let samples = samples * of_shadow;
         if samples <= MOST_SAMPLES_WITH_SHADOW {
             return Ok(());
         }
         Err(format!(
-            "a step of {:e} world units, with shadow steps of {:e}, means up to {samples:.1e} \
-             samples for a ray through a volume {diagonal:.4} across; at most \
+            "steps of {:e} world units, with shadow steps of {:e}, mean up to {samples:.1e} samples on a ray; at most \
              {MOST_SAMPLES_WITH_SHADOW:.0e} are accepted",
             self.step, shadow.step
         ))
@@ -418,38 +386,19 @@ fn brightest_shaded(colour: f64, phong: Option<Phong>) -> f64 {
     })
 }
 
-/// The conventions of a table, all of which `mode` follows.
-fn read_conventions(reader: &Reader, mode: &Mode) -> SceneResult<Conventions> {
-    let read = Conventions::read(reader)?;
-    let Some(key) = read.first_beside(mode) else {
-        return Ok(read);
-    };
-    let message = match mode.name() {
-        Some(name) => format!("`mode = {name:?}` does not follow this convention"),
-        None => "composited samples do not follow this convention".to_owned(),
-    };
-    Err(reader.mistake(key, message, "leave the key out"))
-}
-
 /// Refuses keys that mean nothing to the integral, or that it does not cover.
 fn without_samples(reader: &Reader, mode: &Mode, interpolation: Interpolation) -> SceneResult<()> {
-    let (key, composite) = (
-        "leave the key out",
-        "leave the table out, or composite samples front to back",
-    );
+    let key = "leave the key out";
+    let composite = "leave the table out, or composite samples front to back";
     let with = |message: &str| format!("with `compositing = \"continuous\"` {message}");
     // The mode has refused its other keys.
     let composited = *mode == Mode::Composited;
     refuse! { reader:
-        "early_termination" if composited, with("no ray is ended early: the image is the whole integral"), key;
-        "conventions", with("no conventions are followed: there are no samples, and objects are merged"),
-            "leave the table out, or composite samples; `volref validate --as` judges images under conventions";
-        "phong" if composited, with("samples cannot be shaded: gradients jump from cell to cell, and the integral \
-            is stated for light that depends on the value alone"), composite;
-        "shadow" if composited, with("samples cannot be in shadow: the integral is stated for light that depends \
-            on the value alone"), composite;
-        "interpolation" if interpolation == Interpolation::Nearest,
-            with("the field is trilinear: between nearest nodes it jumps"), key;
+        "early_termination" if composited, with("no ray is ended early"), key;
+        "conventions", with("there are no samples that could follow conventions"), composite;
+        "phong" if composited, with("light depends on the value alone: nothing is shaded"), composite;
+        "shadow" if composited, with("light depends on the value alone: nothing is in shadow"), composite;
+        "interpolation" if interpolation == Interpolation::Nearest, with("the field is trilinear"), key;
     }
     Ok(())
 }
@@ -467,13 +416,9 @@ pub(super) fn checked_step(step: Length, [voxel, diagonal]: [f64; 2]) -> Result<
     let length = step.in_world_units(voxel)?;
     if diagonal / length > MOST_SAMPLES_PER_RAY {
         return Err(format!(
-            "a step of {length:e} world units means up to {:.1e} samples on a ray through a \
-             volume {} across; at most {MOST_SAMPLES_PER_RAY:.0e} are accepted",
-            diagonal / length,
-            match diagonal {
-                0.0..1e9 => format!("{diagonal:.4}"),
-                _ => format!("{diagonal:.4e}"),
-            }
+            "a step of {length:e} world units means up to {:.1e} samples on a ray; at most {MOST_SAMPLES_PER_RAY:.0e} \
+             are accepted",
+            diagonal / length
         ));
     }
     Ok(length)
@@ -494,22 +439,9 @@ fn read_compositing(reader: &Reader, order: &str) -> SceneResult<Compositing> {
 }
 
 /// The position of the light: above the eye, if the scene states none.
-fn read_light(
-    reader: &Reader,
-    camera_reader: &Reader,
-    camera: &Camera,
-    target: DVec3,
-) -> SceneResult<DVec3> {
+fn read_light(reader: &Reader, camera: &Camera, target: DVec3) -> SceneResult<DVec3> {
     let light = reader.table_or_default("light")?;
-    let light = light.vector_or("position", || above(camera, target))?;
-    if !light.is_finite() {
-        let message = "the target is so far away that the default light, as high above the \
-            eye, would overflow";
-        let help = "move `target` nearer, along the same direction, or give \
-                    `classified.light.position`";
-        return Err(camera_reader.mistake("target", message, help));
-    }
-    Ok(light)
+    light.vector_or("position", || above(camera, target))
 }
 
 impl VolumeTable<'_, '_, '_> {
@@ -546,11 +478,10 @@ fn read_shadows(reader: &Reader, volumes: &mut [VolumeTable]) -> SceneResult<()>
             reference_step,
         });
     }
-    let text = match texts.iter().all(|text| *text == texts[0]) {
-        true => texts.swap_remove(0),
-        false => texts.join(", ") + ", volume by volume",
-    };
+    if texts.iter().any(|text| *text != texts[0]) {
+        texts = vec![texts.join(", ") + ", volume by volume"];
+    }
     // A file that gives it keeps its own.
-    reader.resolved("reference_step", text);
+    reader.resolved("reference_step", &texts[0]);
     Ok(())
 }

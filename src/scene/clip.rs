@@ -4,7 +4,6 @@ use super::SceneResult;
 use super::format::{Key, Kind, Rule, Table};
 use super::radiative::shapes::{BOX, read_box};
 use super::reader::Reader;
-use crate::files::misspelling::nearest;
 use crate::geometry::{Aabb, Direction, Ray, Span};
 use crate::volume::PlacedBox;
 use glam::DVec3;
@@ -88,12 +87,6 @@ impl Clip {
         }
     }
 
-    /// True if it keeps all of a box.
-    pub(super) fn keeps_all(&self, extent: &PlacedBox) -> bool {
-        let heights = self.heights(extent);
-        heights.as_flattened().iter().all(|height| *height >= 0.0)
-    }
-
     /// True if each of its planes keeps something of a box.
     pub(super) fn keeps_some(&self, extent: &PlacedBox) -> bool {
         let mut planes = self.heights(extent).into_iter();
@@ -120,10 +113,6 @@ impl Clip {
             }
         };
         let named: Option<Vec<String>> = reader.get("volumes")?;
-        refuse! { reader:
-            "volumes" if named.as_ref().is_some_and(Vec::is_empty), "`volumes` is empty: the clip cuts nothing",
-                "name the volumes that are cut, or leave the key out: then all are";
-        }
         let index = |name: String| index_of(reader, &name, names);
         let volumes = named.map(|named| named.into_iter().map(index).collect());
         let volumes = volumes.transpose()?;
@@ -137,15 +126,11 @@ fn index_of(reader: &Reader, name: &str, names: &[Option<String>]) -> SceneResul
         .position(|known| known.as_deref() == Some(name));
     index.ok_or_else(|| {
         let known: Vec<&str> = names.iter().flatten().map(String::as_str).collect();
-        let help = match nearest(name, known.iter().copied()) {
-            Some(near) => format!("did you mean {near:?}?"),
-            None if known.is_empty() => "give each volume a `name`".to_owned(),
-            None => format!("the named volumes are {}", known.join(", ")),
-        };
-        reader.mistake(
-            "volumes",
-            format!("there is no volume named {name:?}"),
-            help,
-        )
+        let message = format!("there is no volume named {name:?}");
+        let help = format!(
+            "volumes have a `name`; the named ones are: {}",
+            known.join(", ")
+        );
+        reader.mistake("volumes", message, help)
     })
 }

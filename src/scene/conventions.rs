@@ -9,7 +9,6 @@
 
 mod alternative;
 mod choices;
-mod contradictions;
 
 pub use alternative::Alternative;
 pub use choices::*;
@@ -68,23 +67,16 @@ macro_rules! conventions {
         impl Conventions {
             /// Reads the table, in the order of its declaration.
             pub fn read(reader: &Reader) -> SceneResult<Conventions> {
-                let read = Conventions { $($field: value!(read $kind reader.get($key)?, $($values)+),)+ fault: None };
-                read.check(reader)?;
-                Ok(read)
+                Ok(Conventions { $($field: value!(read $kind reader.get($key)?, $($values)+),)+ fault: None })
             }
 
             /// The keys that differ from the defaults, with their values, as lines of a table.
             pub fn lines(&self) -> Vec<String> {
-                self.changed().map(|(key, value, _)| format!("{key} = {value}")).collect()
-            }
-
-            /// The keys that differ from the defaults, with their values and the modes that follow them.
-            fn changed(&self) -> impl Iterator<Item = (&'static str, String, u8)> {
                 let (default, mut changed) = (Conventions::default(), Vec::new());
                 $(if self.$field != default.$field {
-                    changed.push(($key, value!(text $kind self.$field, $($values)+), $modes));
+                    changed.push(format!("{} = {}", $key, value!(text $kind self.$field, $($values)+)));
                 })+
-                changed.into_iter()
+                changed
             }
 
             /// Conventions that a mode follows; the others as volref has them.
@@ -439,20 +431,6 @@ conventions! {
 }
 
 impl Conventions {
-    /// The first key that a mode does not follow.
-    pub(super) fn first_beside(&self, mode: &Mode) -> Option<&'static str> {
-        let followed = self.of_mode(mode).lines();
-        let mut changed = self.changed();
-        let other = changed.find(|(key, value, _)| !followed.contains(&format!("{key} = {value}")));
-        other.map(|(key, ..)| key)
-    }
-
-    /// Keys that are not volref's own and have no meaning for one volume by itself.
-    pub(super) fn keys_of_objects(&self) -> Vec<String> {
-        let changed = self.changed().filter(|(.., modes)| *modes == OBJECTS);
-        changed.map(|(key, ..)| format!("`{key}`")).collect()
-    }
-
     /// Each ray has a random number.
     pub(crate) fn is_random(&self) -> bool {
         self.has_random_place() || self.first_step_jitter
@@ -476,11 +454,6 @@ impl Conventions {
     /// Opacities and colours are stored: in a table or at nodes.
     fn has_entries(&self) -> bool {
         self.table_size.is_some() || self.preclassified
-    }
-
-    /// Colours or opacities are stored in bits.
-    fn has_bits(&self) -> bool {
-        self.colour_bits.is_some() || self.opacity_bits.is_some()
     }
 
     /// The same with a table of 256 entries, if there is none.

@@ -65,9 +65,6 @@ const END: usize = 300;
 
 /// `text`, without its middle if it is too long.
 pub(crate) fn shortened(text: String) -> String {
-    if text.len() <= MOST_CHARACTERS {
-        return text;
-    }
     let count = text.chars().count();
     if count <= MOST_CHARACTERS {
         return text;

@@ -8,7 +8,7 @@ use super::{SceneError, SceneResult};
 use crate::files::regular_file;
 use crate::files::regular_file::ReadError;
 use crate::geometry::{ClosedMesh, Mesh, ObjFault};
-use crate::volume::{self, FileRead, Grid, Lattice, NodeFormula, VolumeFault};
+use crate::volume::{self, FileRead, Grid, Lattice, NodeFormula};
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
@@ -65,26 +65,19 @@ impl<'p> Files<'p> {
     pub(super) fn densities(&mut self, reader: &Reader, help: &str) -> SceneResult<Arc<Grid<f32>>> {
         let request = VolumeRequest::read(reader, false)?;
         let PlacedGrid { grid, .. } = self.loaded(reader, request)?;
-        self.check_densities(reader, &grid, help)?;
+        Files::check_densities(reader, &grid, help)?;
         Ok(grid)
     }
 
     /// Refuses values that are no densities. `help` is for those who have others.
     pub(super) fn check_densities(
-        &self,
         reader: &Reader,
         grid: &Grid<f32>,
         help: &str,
     ) -> SceneResult<()> {
-        grid.check_densities().map_err(|error| {
-            if reader.has("field") {
-                return reader.mistake("field", error.to_string(), help);
-            }
-            let path = self
-                .folder
-                .join(reader.get::<String>("file").unwrap_or_default());
-            reader.mistake("file", format!("{}: {error}", path.display()), help)
-        })
+        let key = reader.first_of(&["field"]).unwrap_or("file");
+        grid.check_densities()
+            .map_err(|error| reader.mistake(key, error.to_string(), help))
     }
 
     /// The values that a table of [placed volumes](super::volume::PLACED_KEYS) asks for: finite.
@@ -139,13 +132,8 @@ impl<'p> Files<'p> {
             return Ok(grid);
         }
         let path = self.folder.join(&request.file);
-        let loaded = volume::load_hashed(&path, &request.options).map_err(|error| {
-            let key = match &error.fault {
-                VolumeFault::Resolution(_) => "resolution",
-                _ => "file",
-            };
-            reader.error(key, error.to_string())
-        })?;
+        let loaded = volume::load_hashed(&path, &request.options);
+        let loaded = reader.accepted_at("file", loaded)?;
         let input = |file: FileRead| InputFile {
             name: self.name_of(&file.path),
             hash: file.hash,
@@ -193,12 +181,8 @@ impl<'p> Files<'p> {
     /// The text that a table `{ file }` names, and its name for messages.
     pub(super) fn text(&mut self, reader: &Reader, name: &str) -> SceneResult<(String, String)> {
         let (bytes, _) = self.bytes(reader, name, MOST_TEXT_BYTES)?;
-        let text = String::from_utf8(bytes).map_err(|error| {
-            let offset = error.utf8_error().valid_up_to();
-            let message =
-                format!("{name} is not text: byte {offset} does not begin a UTF-8 character");
-            reader.error("file", message)
-        })?;
+        let text = String::from_utf8(bytes);
+        let text = text.map_err(|_| reader.error("file", format!("{name} is not UTF-8 text")))?;
         Ok((self.folder.join(name).display().to_string(), text))
     }
 

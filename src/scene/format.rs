@@ -49,17 +49,6 @@ impl Table {
     pub const fn rules(self, rules: &'static [Rule]) -> Table {
         Table { rules, ..self }
     }
-
-    /// Keys of the tables in this one that have a key of this `name`.
-    pub(crate) fn tables_with(&self, name: &str) -> impl Iterator<Item = &'static str> {
-        let has_it = move |key: &&Key| match key.kind {
-            Kind::Table(table) | Kind::Tables(table) | Kind::OneOrMore(table) => {
-                table.all().any(|key| key.name == name)
-            }
-            _ => false,
-        };
-        self.all().filter(has_it).map(|key| key.name)
-    }
 }
 
 /// A relation between the keys of a table. A word in the singular says what alternatives are, as in

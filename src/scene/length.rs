@@ -40,16 +40,13 @@ impl std::str::FromStr for Length {
             .strip_suffix("voxels")
             .or_else(|| trimmed.strip_suffix("voxel"));
         let number = in_voxels.unwrap_or(trimmed).trim();
-        let value: f64 = number.parse().map_err(|_| {
-            format!("expected a length such as 0.01 (world units) or \"0.5 voxels\", got {text:?}")
+        let value = number
+            .parse()
+            .ok()
+            .filter(|it: &f64| it.is_finite() && *it > 0.0);
+        let value = value.ok_or_else(|| {
+            format!("expected a positive length such as 0.01 (world units) or \"0.5 voxels\", got {text:?}")
         })?;
-        if !(value.is_finite() && value > 0.0) {
-            let got = match in_voxels {
-                Some(_) => format!("{trimmed:?}"),
-                None => trimmed.to_owned(),
-            };
-            return Err(format!("a length must be positive and finite, got {got}"));
-        }
         Ok(if in_voxels.is_some() {
             Length::Voxels(value)
         } else {

@@ -63,9 +63,8 @@ const MOST_PIXELS: usize = 1 << 28;
 /// Panels at most.
 const MOST_PANELS: usize = 256;
 
-/// Values of all panels together, at most, those of the scene counted in each: more than fit into
-/// [`MOST_BYTES`] without panels.
-const MOST_VALUES: usize = 1 << 22;
+/// Bytes of all panels together, at most, the whole file counted for each.
+const MOST_BYTES_OF_PANELS: usize = 1 << 26;
 
 /// Longest scene file read: 16 MiB, some hundred thousand bodies.
 const MOST_BYTES: u64 = 1 << 24;
@@ -221,13 +220,8 @@ impl Scene {
             .extension()
             .is_some_and(|extension| extension.eq_ignore_ascii_case("toml"));
         if !is_toml && volume_format(path).is_some() {
-            let file = path.file_name().unwrap_or_default().display().to_string();
-            let message = "this is a volume, not a scene".to_owned();
-            let help = format!(
-                "`volref render` shows it as it is; else put this into a file beside it, say mine.toml, and give that:\n\
-                 [classified]\n[classified.volume]\nfile = {file:?}\n[classified.phong]"
-            );
-            return Err(mistake(message, &help));
+            let help = "`volref render` shows it as it is; a scene names it as `file` in [classified.volume]";
+            return Err(mistake("this is a volume, not a scene".to_owned(), help));
         }
         let bytes = regular_file::read(path, MOST_BYTES)
             .map_err(|error| unreadable(format!("cannot read the scene: {error}")))?;
@@ -249,11 +243,8 @@ impl Scene {
         let mut heights = panels.iter().map(|panel| panel.height);
         if let Some(odd) = heights.position(|height| height != panels[0].height) {
             let message = format!(
-                "panels are side by side and must have the same height, but panel 1 has {} rows \
-                and panel {} has {}",
-                panels[0].height,
-                odd + 1,
-                panels[odd].height
+                "panels are side by side and must have the same height, but this one has {} rows, and the first {}",
+                panels[odd].height, panels[0].height
             );
             return Err(document.error(Some(tables[odd].span()), message, None));
         }
@@ -333,25 +324,16 @@ fn panel_tables<'s>(
         DeValue::Array(items) if !items.is_empty() => items,
         _ => return Err(not_tables(panels.span())),
     };
-    let too_many = |message: String| {
-        let help = "render the others from a scene of their own";
-        document.error(Some(items[0].span()), message, Some(help.to_owned()))
-    };
-    if items.len() > MOST_PANELS {
+    // Each panel holds what the scene does.
+    let bytes = document.text.len().saturating_mul(items.len());
+    if items.len() > MOST_PANELS || bytes > MOST_BYTES_OF_PANELS {
         let message = format!(
-            "{} panels are too many: a scene has at most {MOST_PANELS}",
+            "{} panels of a scene this long are too many: at most {MOST_PANELS}, and {MOST_BYTES_OF_PANELS} bytes of all, \
+             are read",
             items.len()
         );
-        return Err(too_many(message));
-    }
-    let values = values_in(&base).saturating_mul(items.len());
-    if values > MOST_VALUES {
-        let message = format!(
-            "{} panels with {} values of the scene in each are too many: at most {MOST_VALUES} values are read",
-            items.len(),
-            values / items.len(),
-        );
-        return Err(too_many(message));
+        let help = "render the others from a scene of their own".to_owned();
+        return Err(document.error(Some(items[0].span()), message, Some(help)));
     }
     let table = |item: &Spanned<DeValue<'s>>| match item.get_ref() {
         DeValue::Table(over) if over.contains_key("panel") => {
@@ -361,18 +343,6 @@ fn panel_tables<'s>(
         _ => Err(not_tables(item.span())),
     };
     items.iter().map(table).collect()
-}
-
-/// Values in a table, those in its tables and lists among them.
-fn values_in(table: &DeTable) -> usize {
-    fn values(value: &Spanned<DeValue>) -> usize {
-        1 + match value.get_ref() {
-            DeValue::Table(table) => values_in(table),
-            DeValue::Array(items) => items.iter().map(values).sum(),
-            _ => 0,
-        }
-    }
-    table.values().map(values).sum()
 }
 
 impl Panel {
@@ -441,24 +411,10 @@ fn read_classified(
 ) -> SceneResult<Classified> {
     let tables = reader.one_or_more("volume")?;
     check_count(reader, "volume", tables.len())?;
-    let has_own = |table: &&Reader| table.has("transfer_function");
-    let without_own = tables.iter().find(|table| !has_own(table));
-    // Beside volumes that have one, it is forgotten rather than left to the default.
-    if let Some(table) = without_own
-        && tables.iter().any(|table| has_own(&table))
-        && !root.has("transfer_function")
-    {
-        let message = "this volume has no transfer function, and others have one of their own";
-        let help = "give [classified.volume.transfer_function] after it, or [transfer_function] for all volumes \
-                    without one: an empty table is the formula with its defaults";
-        return Err(table.mistake_here(message, help));
-    }
+    let without_own = tables.iter().find(|table| !table.has("transfer_function"));
     let shared = root.table_or_default("transfer_function")?;
     let shared_opacity = without_own.map(|_| OpacityByValue::read(&shared));
     let shared_opacity = shared_opacity.transpose()?;
-    refuse! { root:
-        "sampling", "a classified volume is rendered without random numbers", "remove [sampling]";
-    }
     let has_other_colours = reader.has("window") || reader.has("isosurface");
     let mut volumes: Vec<VolumeTable> = Vec::new();
     for volume in &tables {
@@ -471,10 +427,6 @@ fn read_classified(
         };
         let placed = files.placed_values(volume)?;
         let table = own.as_ref().unwrap_or(&shared);
-        refuse! { table:
-            "range" if has_other_colours, "`range` has no effect: a window or isosurfaces state values of their own",
-                "leave the key out";
-        }
         let range = match opacity {
             OpacityByValue::Formula(_) if !has_other_colours => {
                 let is_shared = own.is_none() && tables.len() > 1;
@@ -484,7 +436,7 @@ fn read_classified(
             _ => None,
         };
         if range.is_none() && !has_other_colours && !table.has("point") {
-            files.check_densities(volume, &placed.grid, OTHER_VALUES)?;
+            Files::check_densities(volume, &placed.grid, OTHER_VALUES)?;
         }
         if let Some(nodes) = placed.grid.lattice().nodes().iter().max() {
             volume.resolved("resolution", nodes);
@@ -532,13 +484,8 @@ fn read_radiative(
 fn read_curve(root: &Reader, reader: &Reader) -> SceneResult<Curve> {
     let transfer_function = root.table_or_default("transfer_function")?;
     let opacity = OpacityByValue::read(&transfer_function)?;
-    if let Some(unused) = transfer_function.first_of(&["reference_length", "colormap", "range"]) {
-        let message = format!("`{unused}` has no effect on a plot of the curve");
-        return Err(transfer_function.error(unused, message));
-    }
     refuse! { root:
         "camera", "a plot of the curve has no camera";
-        "sampling", "a plot of the curve is drawn without random numbers", "remove [sampling]";
     }
     Curve::read(reader, opacity)
 }

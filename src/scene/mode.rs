@@ -258,14 +258,13 @@ fn read_window(reader: &Reader) -> SceneResult<Window> {
 }
 
 fn read_attenuation(reader: &Reader, window: Option<Window>) -> SceneResult<f64> {
-    let missing = |key: &str| {
-        let message = format!("`mode = \"attenuated-maximum\"` needs `{key}`");
-        Err(reader.mistake("mode", message, "give `attenuation`, per world unit, and [classified.window] with `low` and `high`: values attenuate by their position in the window"))
-    };
     match (reader.get("attenuation")?, window) {
-        (None, _) => missing("attenuation"),
-        (_, None) => missing("window"),
-        (Some(attenuation), _) => Ok(attenuation),
+        (Some(attenuation), Some(_)) => Ok(attenuation),
+        _ => Err(reader.mistake(
+            "mode",
+            "`mode = \"attenuated-maximum\"` needs `attenuation`, per world unit, and [classified.window]",
+            "give both: values attenuate by their position in the window from `low` to `high`",
+        )),
     }
 }
 

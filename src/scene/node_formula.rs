@@ -53,16 +53,8 @@ pub(super) fn read_formula(reader: &Reader) -> SceneResult<(NodeFormula, Lattice
     let is_ramp = reader.get::<String>("field")? == "ramp";
     let lattice = read_lattice(reader)?;
     let value = reader.optional("value")?.unwrap_or(0.0);
-    let (name, others): (_, &[&str]) = match is_ramp {
-        true => ("ramp", &["every", "bright", "spot"]),
-        false => ("spots", &["slope"]),
-    };
-    if let Some(other) = reader.first_of(others) {
-        let message = format!("`{other}` has no effect on the field {name:?}");
-        return Err(reader.error(other, message));
-    }
     let slope = reader.get::<Option<DVec3>>("slope")?;
-    if let Some(slope) = slope {
+    if let Some(slope) = slope.filter(|_| is_ramp) {
         return Ok((NodeFormula::Ramp { value, slope }, lattice));
     }
     let every: Option<u32> = reader.get("every")?;

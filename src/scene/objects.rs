@@ -147,10 +147,5 @@ pub(super) fn check_count(reader: &Reader, key: &str, count: usize) -> SceneResu
         return Ok(());
     }
     let message = format!("{count} tables of `{key}` are too many: a scene has at most {MOST}");
-    let help = match key {
-        "surface" => "join shapes to one mesh",
-        "volume" => "join volumes that do not overlap to one grid",
-        _ => "leave out planes that cut nothing",
-    };
-    Err(reader.mistake(key, message, help))
+    Err(reader.error(key, message))
 }

@@ -53,42 +53,24 @@ impl PlacedGrid {
             to_world: to_world.filter(|map| *map != Transform::IDENTITY),
             ..self
         };
-        placed.check().map_err(|(message, help)| {
-            let keys = ["transform", "scale", "rotate", "translate"];
-            let given = reader.first_of(&keys);
-            reader.mistake(
-                given.unwrap_or(if reader.has("field") { "field" } else { "file" }),
-                message,
-                help,
-            )
-        })?;
-        Ok(placed)
+        if placed.fits() {
+            return Ok(placed);
+        }
+        let key = reader.first_of(&["transform", "scale", "rotate", "translate", "field"]);
+        let message = format!(
+            "the volume is mapped out of the range of numbers, or by a condition beyond {MOST_CONDITION:e}, with which \
+             positions lose too many digits"
+        );
+        let help = "stretch and shear less, with numbers near 1";
+        Err(reader.mistake(key.unwrap_or("file"), message, help))
     }
 
-    /// Refuses a map without enough digits, with the remedy.
-    fn check(&self) -> Result<(), (String, &'static str)> {
-        let Some(map) = &self.to_world else {
-            return Ok(());
-        };
+    fn fits(&self) -> bool {
         let bounds = self.extent().world_bounds();
-        let edges = cell_edges(self.grid.lattice(), Some(map)).map(length_of);
-        let fits = bounds.min.is_finite() && bounds.size().is_finite();
-        if !(fits && edges.iter().all(|edge| edge.is_normal())) {
-            let message = "the volume is mapped out of the range of numbers".to_owned();
-            return Err((message, "give a map with numbers near 1"));
-        }
-        let condition = map.condition();
-        if condition <= MOST_CONDITION {
-            return Ok(());
-        }
-        let message = format!(
-            "the map of the volume to the world has the condition {condition:.1e}, with which \
-             positions lose too many digits; at most {MOST_CONDITION:.0e} is accepted"
-        );
-        Err((
-            message,
-            "stretch and shear less, or change the spacing of the nodes, of which any ratio is accepted",
-        ))
+        let edges = cell_edges(self.grid.lattice(), self.to_world.as_ref()).map(length_of);
+        let is_finite = bounds.min.is_finite() && bounds.size().is_finite();
+        let condition = self.to_world.map_or(1.0, |map| map.condition());
+        is_finite && condition <= MOST_CONDITION && edges.iter().all(|edge| edge.is_normal())
     }
 
     /// Length of a voxel in the world.

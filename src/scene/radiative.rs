@@ -13,13 +13,13 @@ use super::SceneResult;
 use super::camera;
 use super::files::Files;
 use super::format::{Key, Kind, Range, Table};
+use super::objects::check_count;
 use super::reader::Reader;
 use super::sampling::SamplingTable;
 use crate::geometry::{Boundary, Camera, Luminous, Shape};
 use crate::optics::{Coefficients, Density, Homogeneous, Light, Material, Sides};
 use contradictions::Contradictions;
 use glam::DVec3;
-use shapes::FARTHEST;
 
 /// The declaration of `[radiative]`.
 pub(super) const RADIATIVE: Table = Table::new("Surfaces, participating media and lights.").keys(&[
@@ -140,16 +140,6 @@ impl Body {
             phase,
         } = self.medium;
         let (sigma_a, sigma_s) = (coefficients.sigma_a(), coefficients.sigma_s());
-        let survives = |value: DVec3| {
-            let values = value.to_array().into_iter();
-            values.filter(|&value| value != 0.0).all(|value| {
-                let scaled = value * density;
-                density == 0.0 || scaled.is_normal()
-            })
-        };
-        if ![sigma_a, sigma_s, emission].into_iter().all(survives) {
-            return None;
-        }
         Some(Homogeneous {
             coefficients: Coefficients::new(sigma_a * density, sigma_s * density).ok()?,
             emission: emission * density,
@@ -177,17 +167,8 @@ impl Radiative {
         size: [usize; 2],
     ) -> SceneResult<Radiative> {
         let camera = camera::given(camera_reader, size)?;
-        let height = camera.orthographic_height().unwrap_or(0.0);
-        if camera.eye().abs().max_element().max(height) > FARTHEST {
-            let message = format!(
-                "the camera is too far away to trace light: coordinates up to \
-                 {FARTHEST:e} are accepted"
-            );
-            return Err(camera_reader.mistake("eye", message, "choose another unit of length"));
-        }
         let scattering = read_scattering(reader)?;
         let environment = reader.get("environment")?;
-        check_radiance(reader, "environment", environment)?;
         let mut scene = Radiative {
             scattering,
             objects: vec![],
@@ -203,12 +184,8 @@ impl Radiative {
             surfaces::read(&surface, files, &mut scene)?;
         }
         let media = reader.tables("medium")?;
-        for (index, medium) in media.iter().enumerate() {
-            if index == Radiative::MOST_MEDIA {
-                let message = format!("this is medium {}, one too many", index + 1);
-                let help = format!("a scene holds at most {} media", Radiative::MOST_MEDIA);
-                return Err(medium.mistake_here(message, help));
-            }
+        check_count(reader, "medium", media.len())?;
+        for medium in &media {
             scene.media.push(media::read(medium, files)?);
         }
         let lights = reader.tables("light")?;
@@ -239,19 +216,4 @@ fn read_scattering(reader: &Reader) -> SceneResult<Scattering> {
         "single" => Scattering::Single,
         _ => Scattering::Multiple(limit),
     })
-}
-
-/// Half of the largest number an image of `f32` can hold leaves room for rounding.
-const LARGEST_RADIANCE: f64 = (f32::MAX / 2.0) as f64;
-
-/// Refuses a radiance at `name`, or something that becomes one, if no image can hold it.
-fn check_radiance(reader: &Reader, name: &str, colour: DVec3) -> SceneResult<()> {
-    let most = colour.max_element();
-    if most <= LARGEST_RADIANCE {
-        return Ok(());
-    }
-    let message =
-        format!("`{name}` is {most:e}, but an image holds at most {LARGEST_RADIANCE:.3e}");
-    let help = "an image holds 32-bit numbers; choose another unit of radiance";
-    Err(reader.mistake(name, message, help))
 }

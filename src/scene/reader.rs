@@ -50,12 +50,8 @@ impl<'s> Document<'s> {
     pub fn parse(&self) -> SceneResult<Spanned<DeTable<'s>>> {
         DeTable::parse(self.text).map_err(|error| {
             let start = error.span().map_or(0, |span| span.start);
-            let help = if error.message().contains("invalid mantissa") {
-                "a number begins and ends with a digit, as 0.5 and 1.0"
-            } else {
-                escape_remedy(self.text, start)
-                    .unwrap_or("the file is not valid TOML; see https://toml.io for its rules")
-            };
+            let help = escape_remedy(self.text, start)
+                .unwrap_or("the file is not valid TOML; see https://toml.io for its rules");
             self.error(error.span(), error.message(), Some(help.into()))
         })
     }
@@ -168,13 +164,9 @@ impl<'d, 's> Reader<'d, 's> {
         let name = key.get_ref();
         let known: Vec<_> = self.declaration.all().map(|key| key.name).collect();
         let table = self.table_name();
-        let within: Vec<_> = self.declaration.tables_with(name).collect();
-        let help = if let [within] = within[..] {
-            format!("`{name}` is a key of the table `{within}`")
-        } else if let Some(near) = nearest(name, known.iter().copied()) {
-            format!("did you mean `{near}`?")
-        } else {
-            format!("allowed keys in {table}: {}", known.join(", "))
+        let help = match nearest(name, known.iter().copied()) {
+            Some(near) => format!("did you mean `{near}`?"),
+            None => format!("allowed keys in {table}: {}", known.join(", ")),
         };
         let message = format!("unknown key `{name}` in {table}");
         self.document.error(Some(key.span()), message, Some(help))
@@ -230,25 +222,11 @@ impl<'d, 's> Reader<'d, 's> {
         self.note(&inside, reading.value.clone(), reading.origin);
     }
 
-    /// The text at `name` for a reader of another kind, and what to call it in messages. A text
-    /// between three single quotes keeps its lines and columns: blanks stand for all before it.
+    /// The text at `name` for a reader of another kind, and what to call it in messages.
     pub(crate) fn text_in_place(&self, name: &str) -> SceneResult<Option<(String, String)>> {
-        let (Some(text), Some(value)) = (self.optional::<String>(name)?, self.value(name)) else {
-            return Ok(None);
-        };
-        const QUOTES: &str = "'''";
-        let file = self.document.text;
-        let raw = &file[value.span()];
-        if raw.len() < 2 * QUOTES.len() || !raw.starts_with(QUOTES) || !raw.ends_with(QUOTES) {
-            let source = format!("{}, {}", self.document.path, self.key_path(name));
-            return Ok(Some((source, text)));
-        }
-        let start = value.span().start + QUOTES.len();
-        let blank = |c: char| if c.is_whitespace() { c } else { ' ' };
-        let before = file[..start].chars().map(blank);
-        let inside = &raw[QUOTES.len()..raw.len() - QUOTES.len()];
-        let in_place = before.chain(inside.chars()).collect();
-        Ok(Some((self.document.path.to_owned(), in_place)))
+        let source = format!("{}, {}", self.document.path, self.key_path(name));
+        let text = self.optional::<String>(name)?;
+        Ok(text.map(|text| (source, text)))
     }
 
     /// An error in the value of `name`, or in its absence.

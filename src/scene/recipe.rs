@@ -111,18 +111,17 @@ impl Recipe {
 
     /// Factors from the spacing of the file to the one asked for.
     fn scale(&self, loaded: &Loaded, path: &Path) -> Result<Option<DVec3>, String> {
-        let why = match (self.spacing, &loaded.stored) {
-            (None, _) => return Ok(None),
-            (_, Stored::Cloud { .. }) => "a point cloud has positions, and no spacing",
-            _ if loaded.to_world.is_some() => {
-                "its axes are oblique, and its own map states their lengths"
-            }
-            (Some(spacing), _) => {
-                let own = loaded.grid.lattice().spacing();
-                return Ok(Some(DVec3::from_array(spacing) / own));
-            }
+        let Some(spacing) = self.spacing else {
+            return Ok(None);
         };
-        Err(format!("--spacing: {}: {why}", path.display()))
+        if loaded.to_world.is_some() || matches!(loaded.stored, Stored::Cloud { .. }) {
+            return Err(format!(
+                "--spacing: {}: its points, or its oblique axes, have positions of their own",
+                path.display()
+            ));
+        }
+        let own = loaded.grid.lattice().spacing();
+        Ok(Some(DVec3::from_array(spacing) / own))
     }
 
     /// The range of what the mode shows: values, or means or sums of them along the `axis` of the view.

@@ -168,23 +168,8 @@ impl Classified {
         })
     }
 
-    /// Numbers of the clips, from 0, that keep all of each volume that they are for.
-    pub(crate) fn clips_that_cut_nothing(&self) -> impl Iterator<Item = usize> + '_ {
-        let extents: Vec<_> = self.each_alone().map(|alone| alone.extent()).collect();
-        let clips = self.objects.clips.iter().enumerate();
-        let idle = clips.filter(move |(_, clip)| {
-            let mut extents = extents.iter().enumerate();
-            extents.all(|(index, extent)| !clip.cuts(index) || clip.keeps_all(extent))
-        });
-        idle.map(|(number, _)| number)
-    }
-
     /// Refuses what has no meaning, or no renderer, beside several volumes, surfaces or clips.
-    pub(super) fn check_objects(
-        &self,
-        reader: &Reader,
-        names: &[Option<String>],
-    ) -> SceneResult<()> {
+    pub(super) fn check_objects(&self, reader: &Reader) -> SceneResult<()> {
         let Objects {
             volumes,
             surfaces,
@@ -199,16 +184,11 @@ impl Classified {
         refuse! { reader:
             "mode" if self.mode != Mode::Composited && !is_one_volume, format!("with {with} samples are composited"),
                 "leave `mode` out, or what stands beside the volume, or modulates it; clips may stay";
+            "clip" if !self.is_something_left(), "a clip leaves nothing of a volume",
+                "remove the volume, or turn a normal around: a clip keeps the side to which its normal points, or the \
+                 inside of its box";
         }
-        self.check_clips(reader, names)?;
-        let keys = self.conventions.keys_of_objects();
         if !self.has_objects() {
-            refuse! { reader:
-                "conventions" if !keys.is_empty(), format!(
-                    "the scene has no further volumes, surfaces or clips, which these conventions are about: {}",
-                    keys.join(", ")
-                ), "leave the keys out";
-            }
             return Ok(());
         }
         let mut volumes = 0..self.volume_count();
@@ -218,12 +198,9 @@ impl Classified {
             "compositing" if !self.continuous, format!("with {with} samples are composited front to back"),
                 "leave `compositing` out: the order changes no more than rounding";
             "early_termination", format!("with {with} no ray is ended early"), "leave the key out";
-            "conventions" if !is_ordinary && (self.shadow.is_some() || is_modulated),
-                "beside a shadow, or modulated opacities, several objects follow no conventions",
-                "leave the table out, or `shadow` and `modulation`";
             "conventions" if !is_ordinary,
-                "several volumes follow these conventions only where they are sampled by common steps",
-                "add `volume_steps = \"common\"`, or leave the keys out";
+                "several volumes follow conventions where they are sampled by common steps, without shadow and modulation",
+                "add `volume_steps = \"common\"`, or leave the table out";
             "compositing" if self.continuous && is_modulated,
                 "modulated opacities are sampled: their integral is not known",
                 "leave `compositing` out, and give a `step`";
@@ -232,24 +209,5 @@ impl Classified {
         }
         self.check_common_steps()
             .map_err(|message| reader.error("conventions", message))
-    }
-
-    /// Refuses clips that leave nothing of a volume.
-    fn check_clips(&self, reader: &Reader, names: &[Option<String>]) -> SceneResult<()> {
-        let tables = reader.tables("clip")?;
-        for (index, (alone, name)) in self.each_alone().zip(names).enumerate() {
-            let extent = alone.extent();
-            for (clip, table) in self.objects.clips.iter().zip(&tables) {
-                if clip.cuts(index) && !clip.keeps_some(&extent) {
-                    let name = name.as_ref();
-                    let name = name.map_or(String::new(), |name| format!(", {name:?}"));
-                    let message = format!("this clip leaves nothing of volume {}{name}", index + 1);
-                    let help = "remove the volume, or turn a normal around: a clip keeps the side to which its \
-                                normal points, or the inside of its box";
-                    return Err(table.mistake_here(message, help));
-                }
-            }
-        }
-        Ok(())
     }
 }

@@ -74,21 +74,17 @@ choice! { impl Centring { Nodes = "nodes", Cells = "cells", } }
 choice! { impl AxisOrder { Zyx = "zyx", Xyz = "xyz", } }
 choice! { impl Interpolation { Trilinear = "trilinear", Nearest = "nearest", } }
 
-/// Keys that files of some contents alone take, and what these are called.
-const TAKEN: [(&str, &[Content], &str); 9] = [
-    ("resolution", &[Content::Points], "point clouds"),
-    ("padding", &[Content::Points], "point clouds"),
-    ("centring", GRIDS, "grids"),
-    ("replace_non_finite", GRIDS, "grids"),
-    ("orientation", GRIDS, "grids"),
-    ("detached_anywhere", GRIDS, "grids"),
-    ("spacing", &[Content::Array], ".npy and .npz files"),
-    ("origin", &[Content::Array], ".npy and .npz files"),
-    (
-        "axes",
-        &[Content::Samples, Content::Array],
-        "arrays and raw samples",
-    ),
+/// Keys that files of some contents alone take.
+const TAKEN: [(&str, &[Content]); 9] = [
+    ("resolution", &[Content::Points]),
+    ("padding", &[Content::Points]),
+    ("centring", GRIDS),
+    ("replace_non_finite", GRIDS),
+    ("orientation", GRIDS),
+    ("detached_anywhere", GRIDS),
+    ("spacing", &[Content::Array]),
+    ("origin", &[Content::Array]),
+    ("axes", &[Content::Samples, Content::Array]),
 ];
 
 const GRIDS: &[Content] = &[Content::Grid, Content::Samples, Content::Array];
@@ -121,9 +117,9 @@ impl VolumeRequest {
         let mut options = LoadOptions::default();
         // A file in no known format is reported when it is loaded.
         let content = format.map(|format| format.content);
-        for (key, by, what) in TAKEN {
+        for (key, by) in TAKEN {
             if reader.has(key) && content.is_some_and(|it| !by.contains(&it)) {
-                let message = format!("`{key}` applies to {what}; {file:?} is none of these");
+                let message = format!("`{key}` does not apply to {file:?}");
                 return Err(reader.error(key, message));
             }
         }

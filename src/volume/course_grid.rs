@@ -84,7 +84,9 @@ mod tests {
             );
             assert!(message(&whole[..cut]).starts_with(&found));
         }
-        let found = format!("{declared} 33 bytes follow it: the file contains something else");
+        let found = format!(
+            "{declared} 33 bytes follow it: the file is truncated, contains something else"
+        );
         assert!(message(&[&whole[..], &[0]].concat()).starts_with(&found));
     }
 

@@ -25,9 +25,6 @@ pub enum VolumeFault {
     /// In a line of the file, whose number the message begins with.
     #[error("{0}")]
     Line(String),
-    /// In the resolution of the grid that a point cloud is splatted to.
-    #[error("{0}")]
-    Resolution(String),
 }
 
 /// The refusal of a file for a reason.

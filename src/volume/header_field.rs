@@ -9,26 +9,30 @@ use std::io::{BufRead, Read};
 
 /// The fields of a header as they stand there: name, value, line.
 #[derive(Default)]
-pub(super) struct HeaderFields(Vec<(&'static str, String, usize)>);
+pub(super) struct HeaderFields(Vec<(String, String, usize)>);
 
 impl HeaderFields {
     /// Adds a field that is not there yet.
-    pub(super) fn add(
-        &mut self,
-        name: &'static str,
-        value: &str,
-        line: usize,
-    ) -> Result<(), VolumeFault> {
+    pub(super) fn add(&mut self, name: &str, value: &str, line: usize) -> Result<(), VolumeFault> {
         if self.get(name).is_some() {
             return Err(in_line(line, &format!("the field `{name}` is there twice")));
         }
-        self.0.push((name, value.to_owned(), line));
+        self.0.push((name.to_owned(), value.to_owned(), line));
         Ok(())
+    }
+
+    /// A field that the format demands.
+    pub(super) fn required(&self, name: &str) -> Result<HeaderField<'_>, VolumeFault> {
+        self.get(name).ok_or_else(|| missing(name))
     }
 
     pub(super) fn get(&self, name: &str) -> Option<HeaderField<'_>> {
         let found = self.0.iter().find(|(field, ..)| *field == name);
-        found.map(|&(name, ref value, line)| HeaderField { name, value, line })
+        found.map(|(name, value, line)| HeaderField {
+            name,
+            value,
+            line: *line,
+        })
     }
 }
 
@@ -53,6 +57,11 @@ pub(super) fn read_lines(
         }
     }
     Ok(())
+}
+
+/// The error of a field that must be there.
+pub(super) fn missing(name: &str) -> VolumeFault {
+    format!("the header has no field `{name}`, which the format demands").into()
 }
 
 /// A mistake in a line of a header.
@@ -84,7 +93,7 @@ pub(super) fn read_data(
 /// A field of a header.
 #[derive(Clone, Copy)]
 pub(super) struct HeaderField<'h> {
-    pub(super) name: &'static str,
+    pub(super) name: &'h str,
     pub(super) value: &'h str,
     pub(super) line: usize,
 }
@@ -96,26 +105,24 @@ impl HeaderField<'_> {
     }
 
     pub(super) fn wrong(&self, expected: &str) -> VolumeFault {
-        let (name, value) = (self.name, shortened(self.value));
+        let (name, value) = (self.name, self.value);
         self.fault(&format!("`{name}` must be {expected}, not {value:?}"))
     }
 
     /// The name of the file of the data. Refused: a list of files, or a pattern with numbers in the place of its `%`.
     pub(super) fn one_file(&self, remedy: &str) -> Result<String, VolumeFault> {
-        let mut conversions = self.value.split('%').skip(1);
-        let is_pattern = conversions.any(|rest| {
-            let rest = rest.trim_start_matches(|digit: char| digit.is_ascii_digit());
-            rest.starts_with(['d', 'u'])
-        });
-        let how = match self.value.split_ascii_whitespace().next() {
-            None => return Err(self.wrong("the name of a file")),
-            Some("LIST" | "SKIPLIST") => "a list",
-            _ if is_pattern => "a pattern with %",
-            _ => return Ok(self.value.to_owned()),
-        };
-        Err(self.fault(&format!(
-            "the data are spread over several files ({how}): {remedy}"
-        )))
+        let first = self.value.split_ascii_whitespace().next();
+        let is_pattern = self.value.contains("%d") || self.value.contains("%0");
+        match first {
+            None => Err(self.wrong("the name of a file")),
+            Some("LIST" | "SKIPLIST") => Err(self.several_files(remedy)),
+            _ if is_pattern => Err(self.several_files(remedy)),
+            _ => Ok(self.value.to_owned()),
+        }
+    }
+
+    fn several_files(&self, remedy: &str) -> VolumeFault {
+        self.fault(&format!("the data are spread over several files: {remedy}"))
     }
 
     pub(super) fn number<T: std::str::FromStr>(
@@ -135,16 +142,6 @@ impl HeaderField<'_> {
         Err(self.fault(&format!(
             "`{name}` has {found} values, and the file {dimension} axes: give one for each axis"
         )))
-    }
-
-    /// Words that stand in quotes, or between blanks if none does.
-    pub(super) fn units(&self) -> Vec<&str> {
-        if self.value.contains('"') {
-            let quoted = self.value.split('"').skip(1).step_by(2);
-            quoted.map(str::trim).collect()
-        } else {
-            self.value.split_ascii_whitespace().collect()
-        }
     }
 
     /// One word for each axis.
@@ -191,14 +188,5 @@ impl HeaderField<'_> {
             Some(&[x, y, z]) if DVec3::new(x, y, z).is_finite() => Ok(Some(DVec3::new(x, y, z))),
             _ => Err(self.wrong("vectors of three finite numbers, such as (1,0,0), or none")),
         }
-    }
-}
-
-/// Text for a message, cut where it is long.
-pub(super) fn shortened(text: &str) -> String {
-    const LONGEST: usize = 60;
-    match text.char_indices().nth(LONGEST) {
-        Some((end, _)) => format!("{}…", &text[..end]),
-        None => text.to_owned(),
     }
 }

@@ -13,9 +13,10 @@
 
 use super::error::{VolumeFault, refused};
 use super::orientation::Axes;
-use super::samples::{VolumeRead, check_sizes, fill, gunzipped, read_grid, read_unpacked};
+use super::samples::{VolumeRead, check_sizes, fill, read_grid, read_unpacked};
 use super::source::VolumeSource;
 use super::{Centring, Element, Encoding, Endian, Layout, LoadOptions};
+use crate::files::gzip;
 use glam::{DMat3, DQuat, DVec3};
 use std::io::{self, BufReader, Read};
 
@@ -42,7 +43,7 @@ pub(super) fn read(source: &mut VolumeSource, options: &LoadOptions) -> VolumeRe
     // Header and data are one stream, so it is unpacked here and read as if it were raw; how long
     // it is nobody knows before its end.
     let length = source.remaining();
-    let mut unpacked = BufReader::with_capacity(1 << 16, gunzipped(source)?);
+    let mut unpacked = BufReader::with_capacity(1 << 16, gzip::Unpacked::new(source));
     let layout = layout(&mut unpacked, Encoding::Gzip, trouble)?;
     read_unpacked(&mut unpacked, length, &layout, options)
 }
@@ -92,28 +93,16 @@ impl<'h> NiftiHeader<'h> {
         let [little, big] =
             [Endian::Little, Endian::Big].map(|endian| NiftiHeader { bytes, endian });
         let header = match (little.int(0), big.int(0)) {
-            (348, _) => little,
-            (_, 348) => big,
-            (540, _) | (_, 540) => {
-                let message = "this is NIfTI-2, but only NIfTI-1 is supported: convert it, as by \
-                               `nibabel.Nifti1Image.from_image`";
-                return refused(message);
-            }
-            _ => {
-                let message = "the header does not begin with its length, 348: this is not a \
-                NIfTI-1 file";
-                return refused(message);
-            }
+            (348, _) => Some(little),
+            (_, 348) => Some(big),
+            _ => None,
         };
-        let message = match &bytes[344..] {
-            b"n+1\0" => return Ok(header),
-            b"ni1\0" => {
-                "the header belongs to a pair of files, .hdr and .img: convert them to one .nii, \
-                as by `nibabel.save`"
-            }
-            _ => "the header does not end in the letters n+1: this is not a single-file NIfTI-1",
-        };
-        refused(message)
+        let one_file = |_: &NiftiHeader| bytes.ends_with(b"n+1\0");
+        header.filter(one_file).ok_or_else(|| {
+            "this is no NIfTI-1 in a single file, whose header begins with its length, 348, and ends in n+1: convert \
+             NIfTI-2, and pairs of .hdr and .img, by `nibabel.save` of `nibabel.Nifti1Image.from_image`"
+                .into()
+        })
     }
 
     fn word<const N: usize>(&self, at: usize) -> [u8; N] {
@@ -144,33 +133,24 @@ impl<'h> NiftiHeader<'h> {
 
     fn sizes(&self) -> Result<[usize; 3], VolumeFault> {
         let count = self.short(40);
-        if !(3..=7).contains(&count) {
+        let size = |axis: i16| self.short(40 + 2 * axis as usize);
+        let sizes: Vec<i16> = (1..=count.clamp(0, 7)).map(size).collect();
+        if sizes.len() < 3
+            || sizes.iter().any(|&size| size < 1)
+            || sizes[3..].iter().any(|&size| size > 1)
+        {
             return refused(format!(
-                "`dim[0]` is {count}: a volume has three axes, and a plane is one whose `dim[3]` is 1, \
-                 as of `data[:, :, None]` in NumPy"
+                "the header says {count} axes of {sizes:?} samples, and a volume has three and one value per sample: \
+                 write one time or component to a file of its own, as by `image.slicer[..., 0]` of nibabel, and a plane \
+                 as `data[:, :, None]` of NumPy"
             ));
         }
-        let size = |axis: i16| self.short(40 + 2 * axis as usize);
-        for axis in 1..=count {
-            let size = size(axis);
-            if size < 1 {
-                return refused(format!("`dim[{axis}]` is {size}: each axis needs a sample"));
-            }
-            if axis > 3 && size > 1 {
-                let what = if axis == 4 { "times" } else { "components" };
-                return refused(format!(
-                    "`dim[{axis}]` is {size}, a number of {what}, which are not an axis of space: a \
-                     volume has one value per sample; write one of them to a file of its own, as by \
-                     `image.slicer[..., 0]` of nibabel"
-                ));
-            }
-        }
-        Ok(check_sizes([1, 2, 3].map(|axis| size(axis) as u64))?)
+        Ok(check_sizes([0, 1, 2].map(|axis| sizes[axis] as u64))?)
     }
 
     fn element(&self) -> Result<Element, VolumeFault> {
         let code = self.short(70);
-        let element = match code {
+        Ok(match code {
             2 => Element::Uint8,
             4 => Element::Int16,
             8 => Element::Int32,
@@ -187,14 +167,7 @@ impl<'h> NiftiHeader<'h> {
                      read; write one channel as one of these"
                 ));
             }
-        };
-        let (bits, expected) = (self.short(72), 8 * element.bytes());
-        if i64::from(bits) != expected as i64 {
-            return refused(format!(
-                "`bitpix` is {bits}, and the data type of the header has {expected} bits"
-            ));
-        }
-        Ok(element)
+        })
     }
 
     fn data_offset(&self) -> Result<u64, VolumeFault> {
@@ -203,15 +176,12 @@ impl<'h> NiftiHeader<'h> {
         if offset == 0.0 {
             return Ok(FIRST_DATA);
         }
-        // Beyond 2⁴⁰ nothing is a file; whole numbers are exact below.
-        let possible = (FIRST_DATA as f32..1e12).contains(&offset) && offset.fract() == 0.0;
-        if possible {
+        if offset >= FIRST_DATA as f32 && offset.fract() == 0.0 {
             return Ok(offset as u64);
         }
-        Err(
-            format!("`vox_offset` is {offset}: it must be a whole number of bytes, at least 352")
-                .into(),
-        )
+        refused(format!(
+            "`vox_offset` is {offset}: it must be a whole number of bytes, at least 352"
+        ))
     }
 
     fn scaling(&self) -> Result<Option<(f64, f64)>, VolumeFault> {
@@ -219,80 +189,39 @@ impl<'h> NiftiHeader<'h> {
         if slope == 0.0 || slope.is_nan() {
             return Ok(None);
         }
-        if !(slope.is_finite() && intercept.is_finite()) {
-            return refused(format!(
-                "`scl_slope` is {slope} and `scl_inter` {intercept}: both must be finite"
-            ));
-        }
         let (slope, intercept) = (f64::from(slope), f64::from(intercept));
         Ok((slope != 1.0 || intercept != 0.0).then_some((slope, intercept)))
     }
 
-    fn by_qform(&self) -> bool {
-        self.short(252) > 0
-    }
-
     /// The numbers from `at` on, which the fields `names` hold: they must be finite.
-    fn finite<const N: usize>(&self, at: usize, names: [&str; N]) -> Result<[f64; N], VolumeFault> {
+    fn finite<const N: usize>(&self, at: usize, names: &str) -> Result<[f64; N], VolumeFault> {
         let numbers = self.floats(at);
-        for (name, number) in names.iter().zip(numbers) {
-            if !number.is_finite() {
-                return refused(format!(
-                    "`{name}` is {number}: it must be finite; correct the header"
-                ));
-            }
+        match numbers.iter().all(|number| number.is_finite()) {
+            true => Ok(numbers),
+            false => refused(format!(
+                "{names}: {numbers:?} are not finite; correct the header"
+            )),
         }
-        Ok(numbers)
-    }
-
-    /// Rows of the sform: three numbers of the matrix and one of the origin.
-    fn sform(&self) -> Result<[[f64; 4]; 3], VolumeFault> {
-        let names = |row| ["[0]", "[1]", "[2]", "[3]"].map(|index| format!("srow_{row}{index}"));
-        let row = |at, row| self.finite(at, names(row).each_ref().map(String::as_str));
-        let rows = [row(280, 'x')?, row(296, 'y')?, row(312, 'z')?];
-        if let Some(column) = (0..3).find(|&column| rows.iter().all(|row| row[column] == 0.0)) {
-            // As FSL does: to take the next form in silence would hide that this one is damaged.
-            return refused(format!(
-                "`sform_code` is {}, but `srow_x[{column}]`, `srow_y[{column}]` and `srow_z[{column}]` are all zero: \
-                 correct the sform, or set `sform_code` to 0, so that the next form counts",
-                self.short(254)
-            ));
-        }
-        Ok(rows)
-    }
-
-    /// Sizes of voxels.
-    fn spacing(&self) -> Result<DVec3, VolumeFault> {
-        let spacing = self.floats(80);
-        for (axis, size) in (1..).zip(spacing) {
-            if !(size.is_finite() && size > 0.0) {
-                // Negative ones mean nothing: a turn is in the quaternion, a reflection in pixdim[0].
-                let size = size as f32;
-                return refused(format!(
-                    "`pixdim[{axis}]` is {size}: the size of a voxel must be positive and finite; \
-                     correct the header"
-                ));
-            }
-        }
-        Ok(DVec3::from_array(spacing))
     }
 
     /// The steps along the axes, the position of the first sample, and the space of both, which have none where neither
     /// form counts.
     fn positions(&self) -> Result<([DVec3; 3], DVec3, Option<&'static str>), VolumeFault> {
         if self.short(254) > 0 {
-            let rows = self.sform()?;
+            let row = |at| self.finite(at, "`srow_x`, `srow_y` and `srow_z`");
+            let rows: [[f64; 4]; 3] = [row(280)?, row(296)?, row(312)?];
             let [x, y, z, first] =
                 [0, 1, 2, 3].map(|axis| DVec3::from_array(rows.map(|row| row[axis])));
             let space = "RAS+ (right, anterior, superior), by the sform";
             return Ok(([x, y, z], first, Some(space)));
         }
-        let spacing = self.spacing()?;
-        if !self.by_qform() {
+        // As FSL and nibabel do: a sign means nothing, a turn is in the quaternion, a reflection in pixdim[0].
+        let spacing = DVec3::from_array(self.finite(80, "`pixdim`")?).abs();
+        if self.short(252) <= 0 {
             return Ok((DVec3::AXES.map(|axis| axis * spacing), DVec3::ZERO, None));
         }
         let steps = self.turned(spacing)?;
-        let first = self.finite(268, ["qoffset_x", "qoffset_y", "qoffset_z"])?;
+        let first = self.finite(268, "`qoffset_x`, `qoffset_y` and `qoffset_z`")?;
         let space = "RAS+ (right, anterior, superior), by the qform";
         Ok((steps, DVec3::from_array(first), Some(space)))
     }
@@ -300,7 +229,7 @@ impl<'h> NiftiHeader<'h> {
     /// The steps along axes that the quaternion of the qform turns.
     fn turned(&self, spacing: DVec3) -> Result<[DVec3; 3], VolumeFault> {
         let handedness = self.float(76);
-        let [b, c, d] = self.finite(256, ["quatern_b", "quatern_c", "quatern_d"])?;
+        let [b, c, d] = self.finite(256, "`quatern_b`, `quatern_c` and `quatern_d`")?;
         let squares = b * b + c * c + d * d;
         let (a, b, c, d) = if 1.0 - squares < NO_COSINE && squares < 1.0 + 1e-5 {
             let length = squares.sqrt();
@@ -310,9 +239,8 @@ impl<'h> NiftiHeader<'h> {
         } else {
             let [b, c, d] = [b, c, d].map(|part| part as f32);
             return refused(format!(
-                "`quatern_b`, `quatern_c` and `quatern_d` are {b}, {c} and {d}, which is not a \
-                 rotation: their squares add up to at most 1; correct the qform, or set \
-                 `qform_code` to 0"
+                "`quatern_b`, `quatern_c` and `quatern_d` are {b}, {c} and {d}, which is not a rotation: their \
+                 squares add up to at most 1; correct the qform, or set `qform_code` to 0"
             ));
         };
         let turn = DMat3::from_quat(DQuat::from_xyzw(b, c, d, a));
@@ -415,11 +343,8 @@ mod tests {
                 .to_string()
                 .contains("rotated by 11.4")
         );
-        assert_eq!(
-            read(&turned(1.0, 2.0)).unwrap_err().to_string(),
-            "`quatern_b`, `quatern_c` and `quatern_d` are 0, 0 and 2, which is not a rotation: their \
-             squares add up to at most 1; correct the qform, or set `qform_code` to 0"
-        );
+        let said = read(&turned(1.0, 2.0)).unwrap_err().to_string();
+        assert!(said.contains("which is not a rotation"), "{said}");
     }
 
     #[test]
@@ -441,7 +366,7 @@ mod tests {
     #[test]
     fn headers_that_cannot_be() {
         type Change = fn(&mut Vec<u8>);
-        let rows: [(Change, &str); 18] = [
+        let rows: [(Change, &str); 15] = [
             (
                 |b| b.truncate(347),
                 "the file ends after 347 of the 348 bytes of its header",
@@ -458,49 +383,22 @@ mod tests {
                 |b| b.push(0),
                 "the header declares 2 × 1 × 2 samples of int16, 8 bytes, but 9",
             ),
-            (
-                |b| b[0] = 7,
-                "the header does not begin with its length, 348",
-            ),
-            (
-                |b| put(b, 0, &540_i32.to_be_bytes()),
-                "this is NIfTI-2, but only NIfTI-1 is supported",
-            ),
-            (
-                |b| put(b, 344, b"ni1\0"),
-                "the header belongs to a pair of files, .hdr and .img",
-            ),
-            (
-                |b| put(b, 344, b"\0\0\0\0"),
-                "the header does not end in the letters n+1",
-            ),
+            (|b| b[0] = 7, "this is no NIfTI-1 in a single file"),
+            (|b| put(b, 344, b"ni1\0"), "this is no NIfTI-1"),
             (
                 |b| short(b, 40, 2),
-                "`dim[0]` is 2: a volume has three axes",
+                "the header says 2 axes of [2, 1] samples",
             ),
-            (
-                |b| short(b, 40, -3),
-                "`dim[0]` is -3: a volume has three axes",
-            ),
-            (|b| short(b, 44, -1), "`dim[2]` is -1: each axis needs"),
+            (|b| short(b, 40, -3), "the header says -3 axes"),
+            (|b| short(b, 44, -1), "the header says 3 axes of [2, -1, 2]"),
             (
                 |b| short(b, 70, 128),
                 "the samples are of data type 128: scalar integers",
             ),
-            (
-                |b| short(b, 72, 8),
-                "`bitpix` is 8, and the data type of the header has 16 bits",
-            ),
             (|b| float(b, 108, 351.0), "`vox_offset` is 351"),
             (|b| float(b, 108, f32::NAN), "`vox_offset` is NaN"),
-            (
-                |b| float(b, 112, f32::INFINITY),
-                "`scl_slope` is inf and `scl_inter` 0",
-            ),
-            (
-                |b| float(b, 84, 0.0),
-                "`pixdim[2]` is 0: the size of a voxel must be positive and finite",
-            ),
+            (|b| float(b, 112, f32::INFINITY), "voxel (0, 0, 0)"),
+            (|b| float(b, 84, 0.0), "the node spacing must be positive"),
             (
                 |b| [42, 44, 46].iter().for_each(|&at| short(b, at, i16::MAX)),
                 "a grid of 32767 × 32767 × 32767 nodes is too large",
@@ -523,19 +421,13 @@ mod tests {
             floats(bytes, 312, &[0.0, 0.0, 3.0, 3.0]);
         };
         type Change = fn(&mut Vec<u8>);
-        let faults: [(Change, usize, f32, &str); 8] = [
-            (qform, 80, -1.0, "`pixdim[1]` is -1: "),
-            (qform, 88, f32::NAN, "`pixdim[3]` is NaN: "),
-            (qform, 260, f32::NAN, "`quatern_c` is NaN: "),
-            (qform, 276, f32::INFINITY, "`qoffset_z` is inf: "),
-            (sform, 280, f32::NAN, "`srow_x[0]` is NaN: "),
-            (sform, 308, f32::NAN, "`srow_y[3]` is NaN: "),
-            (
-                sform,
-                320,
-                0.0,
-                "`sform_code` is 2, but `srow_x[2]`, `srow_y[2]` and `srow_z[2]` are all zero: ",
-            ),
+        let faults: [(Change, usize, f32, &str); 7] = [
+            (qform, 80, -1.0, ""),
+            (qform, 88, f32::NAN, "`pixdim`: "),
+            (qform, 260, f32::NAN, "`quatern_b`, "),
+            (qform, 276, f32::INFINITY, "`qoffset_x`, "),
+            (sform, 280, f32::NAN, "`srow_x`, "),
+            (sform, 320, 0.0, "the node spacing must be positive"),
             (sform, 80, -1.0, ""),
         ];
         for (form, at, value, expected) in faults {
@@ -553,7 +445,7 @@ mod tests {
 
     #[test]
     fn axes_that_are_no_space() {
-        for (axis, count, what) in [(4, 4, "times"), (5, 5, "components")] {
+        for (axis, count) in [(4, 4), (5, 5)] {
             let message = message(|bytes| {
                 short(bytes, 40, count);
                 for at in [48, 50] {
@@ -561,9 +453,8 @@ mod tests {
                 }
                 short(bytes, 40 + 2 * axis, 3);
             });
-            let expected =
-                format!("`dim[{axis}]` is 3, a number of {what}, which are not an axis of space: ");
-            assert!(message.starts_with(&expected), "{message}");
+            let said = format!("the header says {count} axes of [2, 1, 2, ");
+            assert!(message.starts_with(&said), "{message}");
         }
     }
 
@@ -580,13 +471,13 @@ mod tests {
         let whole = file(|_| {});
         assert_eq!(read(&gzip(&whole)).unwrap().values(), [1.0, 2.0, 3.0, 4.0]);
         let message = |bytes: &[u8]| read(bytes).unwrap_err().to_string();
-        assert!(message(&whole).starts_with("these are no gzip data: they begin with"));
+        assert!(message(&whole).contains("gzip"));
         let short = message(&gzip(&whole[..357]));
-        assert!(
-            short.starts_with("the header declares 2 × 1 × 2 samples, but the data ends after 2")
-        );
+        assert!(short.starts_with(
+            "the header declares 2 × 1 × 2 samples of int16, but the data end after 2"
+        ));
         let mut long = whole.clone();
         long.extend([0; 100_000]);
-        assert!(message(&gzip(&long)).starts_with("there is data after the 2 × 1 × 2 samples"));
+        assert!(message(&gzip(&long)).contains("there is more data after them"));
     }
 }

@@ -34,17 +34,11 @@ pub(super) fn read_archive(source: &mut VolumeSource, options: &LoadOptions) -> 
     let mut archive = opened
         .map_err(|stopped| damaged(stopped.to_string()))?
         .map_err(trouble)?;
-    let names: Vec<&str> = archive.file_names().collect();
-    let names: Vec<&str> = names.iter().map(|it| it.trim_end_matches(".npy")).collect();
-    if names.len() != 1 {
-        let shown = names.iter().take(8).map(|name| format!("{name:?}"));
-        let more = if names.len() > 8 { ", …" } else { "" };
-        let shown = shown.collect::<Vec<_>>().join(", ") + more;
+    let count = archive.len();
+    if count != 1 {
         return refused(format!(
-            "the archive holds {} arrays{}{shown}, and a volume is one: write it as \
-             `numpy.save(\"one.npy\", numpy.load(\"a.npz\")[NAME])`",
-            names.len(),
-            if names.is_empty() { "" } else { ": " }
+            "the archive holds {count} arrays, and a volume is one: write it as `numpy.save(\"one.npy\", \
+             numpy.load(\"a.npz\")[NAME])`"
         ));
     }
     let entry = decoder::run(|| archive.by_index(0));
@@ -103,15 +97,8 @@ fn read_up_to(end: usize, source: &mut impl Read, bytes: &mut Vec<u8>) -> io::Re
 }
 
 fn fault(error: FilmError) -> VolumeFault {
-    let remedy = "numpy.save of an array of numbers, of shape (z, y, x), writes it right";
-    match error {
-        FilmError::Unreadable { reason, .. } => {
-            format!("no readable NPY file: {reason}; {remedy}")
-        }
-        FilmError::Unsuited { what, .. } => format!("{what}; {remedy}"),
-        other => other.to_string(),
-    }
-    .into()
+    format!("{error}; numpy.save of an array of numbers, of shape (z, y, x), writes it right")
+        .into()
 }
 
 /// Type of a number, and the order of its bytes.

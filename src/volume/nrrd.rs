@@ -41,28 +41,18 @@ impl NrrdHeader {
     fn read_from(&self, source: &mut VolumeSource, options: &LoadOptions) -> VolumeRead {
         for _ in 0..self.line_skip {
             if source.skip_until(b'\n')? == 0 {
-                return refused("`line skip` goes beyond the end of the data");
+                break;
             }
             source.line += 1;
         }
-        let remaining = source.remaining();
         let layout = &self.layout;
         let skip = match (self.byte_skip, layout.encoding) {
             (Some(0), _) => 0,
             (Some(skip), Encoding::Raw | Encoding::Text) => skip,
-            (None, Encoding::Raw) => {
-                // Too few are reported as a wrong length.
-                remaining.saturating_sub(layout.promised())
-            }
-            (Some(_), Encoding::Gzip | Encoding::Zlib) => {
-                let message = "`byte skip` in compressed data is not read: write without it";
-                return refused(message);
-            }
-            (None, _) => return refused("`byte skip` of -1 needs the encoding raw"),
+            // Too few are reported as a wrong length.
+            (None, Encoding::Raw) => source.remaining().saturating_sub(layout.promised()),
+            _ => return refused("`byte skip` needs the encoding raw: write the file without it"),
         };
-        if skip > remaining {
-            return refused("`byte skip` goes beyond the end of the data");
-        }
         source.skip(skip)?;
         read_grid(source, layout, options)
     }
@@ -72,9 +62,9 @@ impl NrrdHeader {
     fn read(source: &mut VolumeSource) -> Result<NrrdHeader, VolumeFault> {
         let (mut fields, mut header) = (HeaderFields::default(), None);
         read_lines(source, |line, number| {
-            let versions = ["NRRD0001", "NRRD0002", "NRRD0003", "NRRD0004", "NRRD0005"];
             match line {
-                Some(version) if number == 1 && versions.contains(&version) => {}
+                Some("NRRD0001" | "NRRD0002" | "NRRD0003" | "NRRD0004" | "NRRD0005")
+                    if number == 1 => {}
                 _ if number == 1 => {
                     return refused(
                         "the file does not begin with NRRD0001 to NRRD0005: this is not an NRRD file",
@@ -186,34 +176,32 @@ mod tests {
             let kinds = format!("kinds: domain domain domain {kind}");
             assert_eq!(of("1 2 2 1", &kinds), Ok([1, 2, 2]), "{kind}");
         }
-        let plane = "of them are axes of space: a volume has three; write a plane with";
+        let plane = "may be axes of space: a volume has three";
         for (sizes, lines, expected) in [
             (
                 "2 2 1",
                 "kinds: RGB-color domain domain",
-                "5: axis 1, of 2 samples, is of the kind \"RGB-color\", and not an axis of space: a \
-                 volume has three, and one value per sample; write one of the 2 to a file of its \
-                 own, as by `unu slice -a 0 -p 0 -i all.nrrd -o one.nrrd`",
+                "5: axis 1 is not an axis of space: a volume has three, and one value per sample",
             ),
             (
                 "1 2 2",
                 "kinds: domain domain time",
-                "5: axis 3, of 2 samples, is of the kind \"time\"",
+                "5: axis 3 is not an axis of space",
             ),
             (
                 "2 2 1",
                 "kinds: domain list domain",
-                "5: axis 2, of 2 samples, is of the kind \"list\"",
+                "5: axis 2 is not an axis of space",
             ),
             (
                 "2 2 1",
                 "kinds: stub domain domain",
-                "5: axis 1, of 2 samples, is of the kind \"stub\"",
+                "5: axis 1 is not an axis of space",
             ),
             (
                 "2 1 2 1",
                 "kinds: domain domain 3-vector domain",
-                "5: axis 3, of 2 samples, is of the kind \"3-vector\"",
+                "5: axis 3 is not an axis of space",
             ),
             ("1 2 2", "kinds: list domain domain", plane),
             ("2 2", "content: a plane", plane),
@@ -225,12 +213,12 @@ mod tests {
             (
                 "2 2 1",
                 "space directions: none (1,0,0) (0,1,0)",
-                "5: axis 1, of 2 samples, is without a direction, and not an axis of space",
+                "5: axis 1 is not an axis of space",
             ),
             (
                 "2 1 2",
                 "space directions: (1,0,0) (0,1,0) (0,0,0)",
-                "5: axis 3, of 2 samples, is without a direction, and not an axis of space",
+                "5: axis 3 is not an axis of space",
             ),
             ("2 2 1", "space directions: (1,0,0) (0,1,0) none", plane),
         ] {
@@ -254,7 +242,6 @@ mod tests {
             "scan 1 2 3",
             "50%25.raw 1 2 3",
             "LIST.raw",
-            "a list",
         ] {
             assert_eq!(name(file), Ok(Some(file.to_owned())));
         }
@@ -264,11 +251,10 @@ mod tests {
             "SKIPLIST\n3 a.raw",
             "s%03d.raw 1 9 1",
             "s%d.raw 9 1 -1 2",
-            "my scan %u.raw 1 9 1",
         ] {
             let message = name(several).unwrap_err().to_string();
             assert!(
-                message.starts_with("6: the data are spread over several files (a "),
+                message.starts_with("6: the data are spread over several files: "),
                 "{message}"
             );
         }
@@ -318,16 +304,9 @@ mod tests {
                      space directions: none (1,0,0) (0,1,0) (0,0,1)";
         let bytes = with("dimension: 3\nsizes: 2 2 1", lines);
         assert_eq!(read(&bytes).unwrap().lattice().nodes(), [2, 2, 1]);
-        assert_eq!(
-            message(&with(
-                "dimension: 3\nsizes: 2 2 1",
-                "dimension: 4\nsizes: 2 2 2 2"
-            )),
-            "the file has 4 axes, of 2 × 2 × 2 × 2 samples: a volume has three axes and one value \
-            per sample; write one index of the other axis to a file of its own, as by `unu slice \
-            -a 3 -p 0 -i all.nrrd -o one.nrrd`, or in Python from `numpy.take(data, 0, axis=3)` of \
-            the array that pynrrd reads"
-        );
+        let four = with("dimension: 3\nsizes: 2 2 1", "dimension: 4\nsizes: 2 2 2 2");
+        let said = "the file has 4 axes, of 2 × 2 × 2 × 2 samples, of which 4 may be axes of space: a volume has three";
+        assert!(message(&four).starts_with(said));
         assert!(message(&with("3\nsizes: 2 2 1", "2\nsizes: 2 2")).contains("has 2 axes"));
     }
 
@@ -353,12 +332,8 @@ mod tests {
         assert_eq!(values("line skip: 1\nbyte skip: 1", &after(b"one\nx")), two);
         for (lines, expected) in [
             (
-                "byte skip: 5",
-                "`byte skip` goes beyond the end of the data",
-            ),
-            (
                 "line skip: 3",
-                "`line skip` goes beyond the end of the data",
+                "the header declares 2 × 1 × 1 samples of int16, 4 bytes, but 0",
             ),
             (
                 "byte skip: 1",
@@ -427,17 +402,7 @@ mod tests {
             (
                 "encoding: raw",
                 "encoding: hex",
-                "5: the encoding is \"hex\", and raw, gzip and text",
-            ),
-            (
-                "encoding: raw",
-                "encoding: bz2",
-                "5: the encoding is \"bz2\", and raw",
-            ),
-            (
-                "encoding: raw",
-                "encoding: zip",
-                "5: the encoding is \"zip\", and raw",
+                "5: `encoding` must be raw, gzip or text",
             ),
             (
                 "NRRD0004",
@@ -487,7 +452,7 @@ mod tests {
             ),
             (
                 "axis mins: 0 1 0\naxis maxs: 1 1 1\n",
-                "along axis 2 `axis mins` and `axis maxs` are both 1, and must differ",
+                "the node spacing must be positive",
             ),
             (
                 "space origin: (0,nan,0)\n",
@@ -501,15 +466,11 @@ mod tests {
             ("endian: middle\n", "6: `endian` must be little or big"),
             (
                 "centers: cell node cell\n",
-                "some axes are centred on nodes, others on cells",
+                "6: `centers` must be the same for all axes",
             ),
             (
                 "data file: LIST\n",
-                "6: the data are spread over several files (a list)",
-            ),
-            (
-                "data file: s%03d.raw 1 9 1\n",
-                "6: the data are spread over several files (a pat",
+                "6: the data are spread over several files",
             ),
             (
                 "data file: other.raw\n",
@@ -522,15 +483,6 @@ mod tests {
             (
                 "space directions: (1,0) (0,1) (1,1)\n",
                 "6: `space directions` must be vectors",
-            ),
-            (
-                "space directions: (1,0,0) (0,1,0) (0,0,1)\nspacings: 1 1 1\n",
-                "the header gives `space directions` and `spacings`, which exclude each other",
-            ),
-            (
-                "spacings: 1 1 1\naxis mins: 0 0 0\naxis maxs: 5 1 1\n",
-                "along axis 1 the header gives a spacing of 1, and minimum and maximum that make \
-                 it 5",
             ),
             (
                 "space directions: (1,0.01,0) (0,1,0) (0,0,1)\n",
@@ -585,23 +537,22 @@ mod tests {
             [most, most, 0.0, 0.0]
         );
         let byte = "no uint8, a whole number from 0 to 255: correct it, or the type in the header";
-        let unended = ", the last of the text, with nothing behind it, and may have lost digits: \
-                       copy the file again, or end it with a line break if it is whole";
+        let unended = ", the last, and may have lost digits";
         for (kind, data, expected) in [
             (
                 "uchar",
                 "1 2 3",
-                "the header declares 2 × 2 × 1 samples, 4 bytes when unpacked",
+                "the header declares 2 × 2 × 1 samples of uint8, 4 bytes, which",
             ),
             (
                 "uchar",
                 "100 200 3\n",
-                "the header declares 2 × 2 × 1 samples, but the data ends after 3",
+                "the header declares 2 × 2 × 1 samples of uint8, but the data end after 3",
             ),
             (
                 "uchar",
                 "1 2 3 4 5\n",
-                "there is data after the 2 × 2 × 1 samples",
+                "the header declares 2 × 2 × 1 samples of uint8, but there is more data",
             ),
             (
                 "uchar",

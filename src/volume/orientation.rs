@@ -101,16 +101,14 @@ impl Axes {
                 let axis = stored + 1;
                 let degrees = atan2(length_of(off), direction[along].abs()).to_degrees();
                 return refused(format!(
-                    "axis {axis} of the file is rotated by {degrees:.4} degrees from the nearest \
-                    axis of the world, and only classified volumes stand obliquely: resample the volume \
-                    along x, y and z, or use its axes as stored: `orientation = \"as-stored\"` beside \
-                    `file` in the scene"
+                    "axis {axis} of the file is rotated by {degrees:.4} degrees from the nearest axis of the world, \
+                    and only classified volumes stand obliquely: resample the volume along x, y and z, or use its \
+                    axes as stored: `orientation = \"as-stored\"` beside `file` in the scene"
                 ));
             }
             if let Some((other, _)) = from[along] {
                 return refused(format!(
-                    "axes {} and {} of the file point along the same axis of the world, {}: the \
-                     header is wrong",
+                    "axes {} and {} of the file point along the same axis of the world, {}: the header is wrong",
                     other + 1,
                     stored + 1,
                     ['x', 'y', 'z'][along]

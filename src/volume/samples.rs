@@ -13,7 +13,7 @@ use crate::files::gzip;
 use crate::geometry::{Aabb, InvalidParameter};
 use glam::DVec3;
 use serde::Deserialize;
-use std::io::{self, BufRead, Read};
+use std::io::{self, Read};
 
 /// Declares the types of samples, one a row: name, type of Rust, and whether it is of whole numbers.
 macro_rules! elements {
@@ -199,16 +199,13 @@ pub(super) fn read_grid(
             samples.reserve(samples.count)?;
             samples.read_binary(source, VolumeFault::from)
         }),
-        Encoding::Gzip => read_unpacked(&mut gunzipped(source)?, remaining, layout, options),
+        Encoding::Gzip => {
+            let mut unpacked = gzip::Unpacked::new(source);
+            read_unpacked(&mut unpacked, remaining, layout, options)
+        }
         Encoding::Zlib => {
-            let zlib = flate2::bufread::ZlibDecoder::new(&mut *source);
-            let read = read_unpacked(&mut Guarded(zlib), remaining, layout, options)?;
-            match source.remaining() {
-                0 => Ok(read),
-                left => refused(format!(
-                    "{left} bytes follow the compressed data: the file contains something else as well"
-                )),
-            }
+            let zlib = flate2::bufread::ZlibDecoder::new(source);
+            read_unpacked(&mut Guarded(zlib), remaining, layout, options)
         }
         // A digit and a blank are the shortest sample; a last one without the blank is refused when it is read.
         Encoding::Text => read_as(layout, options, &mut |samples| {
@@ -217,21 +214,6 @@ pub(super) fn read_grid(
             samples.read_text(source)
         }),
     }
-}
-
-/// The content of the gzip stream in the rest of `source`.
-pub(super) fn gunzipped<'s, 'b>(
-    source: &'s mut VolumeSource<'b>,
-) -> Result<gzip::Unpacked<&'s mut VolumeSource<'b>>, VolumeFault> {
-    let first = source.fill_buf()?;
-    if !first.is_empty() && !gzip::MAGIC.starts_with(&first[..first.len().min(2)]) {
-        let begins = String::from_utf8_lossy(&first[..first.len().min(16)]).into_owned();
-        return refused(format!(
-            "these are no gzip data: they begin with {begins:?}, and not with the bytes 1f 8b; give the right \
-             file, or compress it"
-        ));
-    }
-    Ok(gzip::Unpacked::new(source))
 }
 
 /// As [`read_grid`], of samples in a stream that `source` is already unpacking from a file of
@@ -303,19 +285,12 @@ impl<'l> Samples<'l> {
 
     fn check_length(&self, found: u64) -> Result<(), VolumeFault> {
         let promised = self.layout.promised();
-        if found == promised {
-            return Ok(());
+        match found == promised {
+            true => Ok(()),
+            false => refused(
+                self.wrong_length(&format!("{promised} bytes, but {found} bytes follow it")),
+            ),
         }
-        let (count, element) = (self.sizes(), self.layout.element.name());
-        let cause = if found < promised {
-            "is truncated, or has another type or size"
-        } else {
-            "contains something else as well, or has another type or size"
-        };
-        refused(format!(
-            "the header declares {count} samples of {element}, {promised} bytes, but {found} bytes \
-             follow it: the file {cause}"
-        ))
     }
 
     fn check_density(&self, found: u64, most_expansion: f64) -> Result<(), VolumeFault> {
@@ -323,11 +298,8 @@ impl<'l> Samples<'l> {
         if promised as f64 <= found as f64 * most_expansion {
             return Ok(());
         }
-        let count = self.sizes();
-        refused(format!(
-            "the header declares {count} samples, {promised} bytes when unpacked, but the {found} \
-             bytes that follow it cannot hold them: the header is wrong, or the file was cut short"
-        ))
+        let what = format!("{promised} bytes, which the {found} bytes that follow it cannot hold");
+        refused(self.wrong_length(&what))
     }
 
     /// Makes room for `more` samples.
@@ -362,13 +334,13 @@ impl<'l> Samples<'l> {
             self.grow(whole)?;
             self.decode(&chunk[..whole * self.bytes_each])?;
             if filled < chunk.len() {
-                return Err(self.ends());
+                return refused(self.ends());
             }
         }
         // Reading the end of a gzip stream is also what checks its sum.
         match fill(source, &mut [0]).map_err(trouble)? {
             0 => Ok(()),
-            _ => Err(self.goes_on()),
+            _ => refused(self.goes_on()),
         }
     }
 
@@ -428,7 +400,7 @@ impl<'l> Samples<'l> {
     fn read_text(&mut self, source: &mut VolumeSource) -> Result<(), VolumeFault> {
         let separates = |byte: &u8| byte.is_ascii_whitespace() || *byte == b',';
         if source.remaining() > self.count as u64 * MOST_OF_A_NUMBER + CHUNK as u64 {
-            return Err(self.goes_on());
+            return refused(self.goes_on());
         }
         let (first_line, mut text, mut at) = (source.line + 1, Vec::new(), 0);
         source.read_to_end(&mut text)?;
@@ -440,7 +412,7 @@ impl<'l> Samples<'l> {
                 continue;
             }
             if self.values.len() == self.count {
-                return Err(self.goes_on());
+                return refused(self.goes_on());
             }
             let is_ended = piece.last().is_some_and(separates);
             let number = self.number(word, is_ended).map_err(|message| {
@@ -457,7 +429,7 @@ impl<'l> Samples<'l> {
             self.push(&[0; 1], |_: [u8; 1]| number)?;
         }
         match self.values.len() < self.count {
-            true => Err(self.ends()),
+            true => refused(self.ends()),
             false => Ok(()),
         }
     }
@@ -472,15 +444,13 @@ impl<'l> Samples<'l> {
         // Writers end the last number as they do the others; one that is cut short is a number, too.
         if !is_ended && self.values.len() + 1 == self.count {
             return Err(
-                "the last of the text, with nothing behind it, and may have lost digits: copy the file again, or end \
-                 it with a line break if it is whole"
-                    .to_owned(),
+                "the last, and may have lost digits: end the text with a line break".to_owned(),
             );
         }
         if let Some((least, most)) = self.layout.element.whole_range() {
+            // Some write large ones as 1e+17.
             let fits = match text.parse::<i128>() {
                 Ok(whole) => (least..=most).contains(&whole),
-                // Some write large ones as 1e+17.
                 Err(_) => number.fract() == 0.0 && (least as f64..=most as f64).contains(&number),
             };
             if !fits {
@@ -493,24 +463,23 @@ impl<'l> Samples<'l> {
         Ok(number)
     }
 
-    /// The data end early.
-    fn ends(&self) -> VolumeFault {
-        let (count, found) = (self.sizes(), self.values.len());
-        format!(
-            "the header declares {count} samples, but the data ends after {found} of them: the file \
-             is truncated, or has another type or size"
-        )
-        .into()
+    fn ends(&self) -> String {
+        let found = self.values.len();
+        self.wrong_length(&format!("but the data end after {found}"))
     }
 
-    /// The data go on.
-    fn goes_on(&self) -> VolumeFault {
-        let count = self.sizes();
+    fn goes_on(&self) -> String {
+        self.wrong_length("but there is more data after them")
+    }
+
+    /// The header and the data contradict each other.
+    fn wrong_length(&self, what: &str) -> String {
         format!(
-            "there is data after the {count} samples that the header declares: no more is \
-             unpacked; the file contains something else as well, or has another type or size"
+            "the header declares {} samples of {}, {what}: the file is truncated, contains something else as well, or \
+             has another type or size",
+            self.sizes(),
+            self.layout.element.name()
         )
-        .into()
     }
 
     /// Samples along the stored axes.
@@ -692,16 +661,10 @@ mod tests {
         let message = |sizes, bytes: &[u8]| read(&packed(sizes), bytes).unwrap_err().to_string();
         let bomb = gzip(&vec![0; 50_000_000]);
         assert!(bomb.len() < 50_000);
-        assert!(message([2, 2, 2], &bomb).starts_with("there is data after the 2 × 2 × 2 samples"));
-        assert!(
-            message([1290, 1290, 1290], &bomb).contains("cannot hold them: the header is wrong")
-        );
+        assert!(message([2, 2, 2], &bomb).contains("there is more data after them"));
+        assert!(message([1290, 1290, 1290], &bomb).contains("that follow it cannot hold"));
         let sound = gzip(&[1; 8]);
-        assert_eq!(
-            message([3, 3, 1], &sound),
-            "the header declares 3 × 3 × 1 samples, but the data ends after 8 of them: the file \
-             is truncated, or has another type or size"
-        );
+        assert!(message([3, 3, 1], &sound).contains("but the data end after 8"));
         assert!(
             message([2, 2, 2], &sound[..sound.len() - 5])
                 .contains("the compressed stream of the data is damaged")
@@ -713,7 +676,7 @@ mod tests {
         );
         assert!(
             message([2, 2, 2], b"<!DOCTYPE html>")
-                .starts_with("these are no gzip data: they begin with \"<!DOCTYPE html>\"")
+                .contains("the compressed stream of the data is damaged")
         );
     }
 

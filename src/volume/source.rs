@@ -199,16 +199,10 @@ impl BufRead for VolumeSource<'_> {
 /// The remedy for a path of Windows on another system, on which a backslash is a letter of a name.
 fn backslashes(path: &Path) -> String {
     let path = path.to_string_lossy();
-    if path.contains(['\t', '\n', '\r', '\u{8}', '\u{c}']) {
-        return "; in double quotes `\\t`, `\\n` and the like are single letters: write the path with slashes".to_owned();
+    match path.contains('\\') {
+        true => format!("; write {:?}, with slashes", path.replace('\\', "/")),
+        false => String::new(),
     }
-    if cfg!(windows) || !path.contains('\\') {
-        return String::new();
-    }
-    let slashes = path.replace('\\', "/");
-    format!(
-        "; backslashes separate folders on Windows alone: write {slashes:?}, which every system reads"
-    )
 }
 
 /// Real path of `data`, if a symbolic link leads out of the folder of the `header`: neither into

@@ -30,7 +30,7 @@ pub fn splat(points: &[CloudPoint], splatting: Splatting) -> Result<Grid<f32>, V
     let weights = splat_weights(points, splatting)?;
     let (_, largest) = weights.range();
     if largest == 0.0 {
-        let message = "every weight is zero or vanishes when shared: at least one must be positive";
+        let message = "every density is zero: the fourth number of a `v` line is its density";
         return refused(message);
     }
     let densities = weights.values().iter().map(|weight| weight / largest);
@@ -141,10 +141,10 @@ impl SplatFrame {
         let intervals = resolution.saturating_sub(around);
         if intervals == 0 {
             let least = around.saturating_add(1);
-            return Err(VolumeFault::Resolution(format!(
+            return refused(format!(
                 "a resolution of {resolution} with {padding} nodes of padding on each side leaves \
                  no room for the cloud: use at least {least}"
-            )));
+            ));
         }
         Lattice::check_count([resolution as u64, 1, 1])?;
         let spacing = extent / intervals as f64;
@@ -152,10 +152,10 @@ impl SplatFrame {
         let tolerance = tolerance(largest, spacing, intervals);
         // Below the normal numbers the quotient has lost digits.
         if !spacing.is_normal() || tolerance >= 0.5 {
-            return Err(VolumeFault::Resolution(format!(
+            return refused(format!(
                 "the spacing of the nodes would be {spacing}, too fine beside coordinates as large \
                  as {largest}: lower the resolution, or move the cloud near the origin"
-            )));
+            ));
         }
         Ok(SplatFrame {
             min,
@@ -398,7 +398,7 @@ mod tests {
         assert!(with(weighing(1.7e308)).starts_with("the weights of the points add up to more"));
         let mut weightless = [point(0.0, 0.0, 0.0), point(1.0, 0.0, 0.0)];
         weightless.iter_mut().for_each(|point| point.weight = 0.0);
-        assert!(error(&weightless, 4, 0).starts_with("every weight is zero"));
+        assert!(error(&weightless, 4, 0).starts_with("every density is zero"));
     }
 
     #[test]

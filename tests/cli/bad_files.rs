@@ -166,7 +166,7 @@ fn meshes() {
         ),
         (
             CUBE.strip_suffix("f 2 4 8 6\n").unwrap().as_bytes(),
-            "mesh.obj: the mesh is open: the edge from [1, 1, 0] to [1, 0, 0] belongs to the face in line 9 only",
+            "mesh.obj: the edge from [1, 1, 0] to [1, 0, 0] belongs to one face, the face in line 9 among them",
         ),
     ] {
         let folder = with_mesh(mesh);

@@ -251,22 +251,6 @@ fn what_is_not_seen() {
         );
         assert!(run.stdout.contains(note), "{keys}: {}", run.stdout);
     }
-    let clip = |x: f64| format!("[[classified.clip]]\npoint = [{x}, 0, 0]\nnormal = [1, 0, 0]\n");
-    let clips = clip(-9.0) + &clip(0.5);
-    folder.write(
-        "clips.toml",
-        format!("{}{clips}", folder.text("scene.toml")),
-    );
-    let run = folder.volref("plan clips.toml");
-    run.expect(0, "");
-    let idle = "this clip cuts nothing: all of its volumes is on the side that it keeps  (classified.clip[0]";
-    assert_eq!(
-        run.stdout.matches("cuts nothing").count(),
-        1,
-        "{}",
-        run.stdout
-    );
-    assert!(run.stdout.contains(idle), "{}", run.stdout);
 }
 
 /// A scene of some bytes may hold a volume of gigabytes.

@@ -4,7 +4,7 @@
 use exr::prelude::*;
 use volref::compare::flip::SrgbImage;
 use volref::compare::{Conditions, GATES, Gate, Judgement, Picture, judge, metric_meaning};
-use volref::film::{Film, FilmError};
+use volref::film::Film;
 use volref::math::srgb_to_linear;
 
 const SIZE: usize = 96;
@@ -347,7 +347,7 @@ fn exr_bombs() {
             let error = Film::from_exr(&bomb).unwrap_err();
             if u64::from(width) * u64::from(height) <= Film::MOST_PIXELS as u64 {
                 assert!(
-                    matches!(error, FilmError::Bomb { .. }),
+                    error.to_string().contains("cannot hold"),
                     "{width} × {height}: {error}"
                 );
             }
@@ -399,7 +399,7 @@ fn png_bombs() {
         ] {
             let error = Film::codes_from_png(&header(width, height, &kind)).unwrap_err();
             if width == 16384 {
-                assert!(matches!(error, FilmError::Bomb { .. }), "{error}");
+                assert!(error.to_string().contains("cannot hold"), "{error}");
             }
         }
     }

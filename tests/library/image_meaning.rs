@@ -99,13 +99,6 @@ fn statements_that_change_nothing_change_no_bit() {
     assert!(grey.changes_on_reading().is_empty());
 }
 
-/// The bytes of `file` with `chromaticities` in small letters, which the crate does not write as text.
-fn renamed(mut file: Vec<u8>) -> Vec<u8> {
-    let at = file.windows(14).position(|part| part == b"Chromaticities");
-    file[at.unwrap()] = b'c';
-    file
-}
-
 #[test]
 fn statements_that_cannot_be_heeded_are_refused() {
     let half = |image: &mut ExrImage, compression| {
@@ -124,15 +117,8 @@ fn statements_that_cannot_be_heeded_are_refused() {
             stated("acesImageContainerFlag", AttributeValue::I32(1)),
         ),
         exr(&COLOURS, chromaticities([[0.3, 0.3]; 4])),
-        renamed(exr(&COLOURS, text("Chromaticities", "Rec.709"))),
-        renamed(exr(&COLOURS, text("Chromaticities", &"x".repeat(32)))),
-        exr(&COLOURS, stated("colorInteropID", AttributeValue::I32(1))),
         exr(&COLOURS, |image| {
             image.layer_data.attributes.environment_map = Some(EnvironmentMap::LatitudeLongitude);
-        }),
-        exr(&COLOURS, |image| {
-            let views = ["left", "right"].map(Text::from);
-            image.layer_data.attributes.multi_view_names = Some(views.into());
         }),
         exr(&COLOURS, |image| image.attributes.pixel_aspect = 2.0),
         exr(
@@ -155,22 +141,18 @@ fn statements_that_cannot_be_heeded_are_refused() {
     the colorInteropID of this EXR is "data", not linear RGB with the primaries of Rec.709; write linear RGB with the primaries of Rec.709, or convert the file: oiiotool in.exr --colorconvert FROM lin_rec709 --eraseattrib chromaticities -o out.exr
     the colorInteropID of this EXR is "srgb_rec709_scene", not linear RGB with the primaries of Rec.709; write linear RGB with the primaries of Rec.709, or convert the file: oiiotool in.exr --colorconvert FROM lin_rec709 --eraseattrib chromaticities -o out.exr
     the oiio:ColorSpace of this EXR is "ACEScg", not linear RGB with the primaries of Rec.709; write linear RGB with the primaries of Rec.709, or convert the file: oiiotool in.exr --colorconvert FROM lin_rec709 --eraseattrib chromaticities -o out.exr
-    the chromaticities of this EXR are (0.7130, 0.2930), (0.1650, 0.8300), (0.1280, 0.0440) with white (0.3217, 0.3377), not those of Rec.709; write linear RGB with the primaries of Rec.709, or convert the file: oiiotool in.exr --colorconvert FROM lin_rec709 --eraseattrib chromaticities -o out.exr
+    the chromaticities of this EXR are [[0.713, 0.293], [0.165, 0.83], [0.128, 0.044], [0.32168, 0.33767]], not those of Rec.709; write linear RGB with the primaries of Rec.709, or convert the file: oiiotool in.exr --colorconvert FROM lin_rec709 --eraseattrib chromaticities -o out.exr
     the colours of this EXR are ACES2065-1, by its acesImageContainerFlag; write linear RGB with the primaries of Rec.709, or convert the file: oiiotool in.exr --colorconvert FROM lin_rec709 --eraseattrib chromaticities -o out.exr
-    the chromaticities of this EXR are (0.3000, 0.3000), (0.3000, 0.3000), (0.3000, 0.3000) with white (0.3000, 0.3000), not those of Rec.709; write linear RGB with the primaries of Rec.709, or convert the file: oiiotool in.exr --colorconvert FROM lin_rec709 --eraseattrib chromaticities -o out.exr
-    not a readable EXR image: its chromaticities have 7 bytes, not 32
-    not a readable EXR image: its attribute chromaticities is of another type
-    not a readable EXR image: its attribute colorInteropID is of another type
+    the chromaticities of this EXR are [[0.3, 0.3], [0.3, 0.3], [0.3, 0.3], [0.3, 0.3]], not those of Rec.709; write linear RGB with the primaries of Rec.709, or convert the file: oiiotool in.exr --colorconvert FROM lin_rec709 --eraseattrib chromaticities -o out.exr
     this EXR is an environment map (envmap): its pixels are directions; write the image of the scene's camera, without that attribute
-    this EXR holds several views: left, right; write the one that the scene's camera sees
-    the pixels of this EXR are 2 times as wide as high (pixelAspectRatio); render square pixels, and write 1
+    this EXR has pixels that are not square (pixelAspectRatio); render square pixels, and write 1
     the colours of this EXR are not multiplied by its opacity (oiio:UnassociatedAlpha); write them premultiplied, without that attribute
     no layer of the image has the channels R, G and B; there are: X, Y, Z; name those of linear RGB R, G and B (in a layer beauty.R, beauty.G and beauty.B), or the one of a grey image Y
     no layer of the image has the channels R, G and B; there are: N.X, N.Y, N.Z; name those of linear RGB R, G and B (in a layer beauty.R, beauty.G and beauty.B), or the one of a grey image Y
     no layer of the image has the channels R, G and B; there are: rgba.blue, rgba.green, rgba.red; name those of linear RGB R, G and B (in a layer beauty.R, beauty.G and beauty.B), or the one of a grey image Y
     no layer of the image has the channels R, G and B; there are: R; name those of linear RGB R, G and B (in a layer beauty.R, beauty.G and beauty.B), or the one of a grey image Y
-    this EXR is compressed with B44, which loses digits of half floats; render it again and write it with ZIP or PIZ: recompressing the file does not bring the digits back
-    this EXR is compressed with B44, which loses digits of half floats; render it again and write it with ZIP or PIZ: recompressing the file does not bring the digits back
+    this EXR is compressed by DWA or B44, which lose digits; render it again and write it with ZIP or PIZ: recompressing the file does not bring the digits back
+    this EXR is compressed by DWA or B44, which lose digits; render it again and write it with ZIP or PIZ: recompressing the file does not bring the digits back
     "#);
 }
 
@@ -221,20 +203,14 @@ fn unknown_and_broken_are_told_apart() {
     no_channels[at.unwrap()] = b'x';
     let said: String = [
         compressed(plain.clone(), 10),
-        compressed(plain.clone(), 11),
-        compressed(plain.clone(), 13),
-        compressed(plain.clone(), 99),
         no_channels,
         plain[..plain.len() - 9].to_vec(),
     ]
     .map(|bytes| refusal(&bytes) + "\n")
     .concat();
     insta::assert_snapshot!(said, @r#"
-    the compression of this EXR, HTJ2K256, is unknown to volref, though the file may be right; save it with another: oiiotool in.exr --compression zip -o out.exr
-    the compression of this EXR, HTJ2K32, is unknown to volref, though the file may be right; save it with another: oiiotool in.exr --compression zip -o out.exr
-    the compression of this EXR, ZSTD, is unknown to volref, though the file may be right; save it with another: oiiotool in.exr --compression zip -o out.exr
-    the compression of this EXR, number 99, is unknown to volref, though the file may be right; save it with another: oiiotool in.exr --compression zip -o out.exr
-    not a readable EXR image: it is broken ("missing or invalid channels attribute"): write it again; exrcheck finds more faults
+    this EXR has something unknown to volref ("yet unimplemented compression method: ht j2k 256 compression"), though it may be right; save it as a plain image: oiiotool in.exr --compression zip -o out.exr
+    not a readable EXR image: it is broken (invalid: missing or invalid channels attribute): write it again
     not a readable EXR image: the file ends too early
     "#);
 }

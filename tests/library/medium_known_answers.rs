@@ -257,7 +257,7 @@ fn linear_depth(entry: &Entry) -> f64 {
         origin: entry.vector("origin"),
         direction: *Direction::of(entry.vector("direction_unnormalised")).unwrap(),
     };
-    let ramp = LinearRamp::new(1.0, DVec3::ZERO, entry.vector("gradient")).unwrap();
+    let ramp = linear(1.0, entry.vector("gradient"));
     let (unit, sigma0) = (LinearProfile::along(&line, &ramp), entry.input("sigma0"));
     let profile = LinearProfile {
         start: sigma0 * unit.start,
@@ -348,6 +348,16 @@ fn emission_and_absorption() {
     }
 }
 
+/// A ramp that has this density at the origin.
+fn linear(density: f64, gradient: DVec3) -> LinearRamp {
+    let origin = DVec3::ZERO;
+    LinearRamp {
+        density,
+        origin,
+        gradient,
+    }
+}
+
 /// Radiance along the x axis through `media`, each from where to where, before a background: by
 /// the renderer's integrals, to a relative 1e-14.
 fn seen(media: &[(f64, f64, Homogeneous, Option<LinearRamp>)], background: f64) -> f64 {
@@ -405,7 +415,7 @@ fn one_layer(entry: &Entry) {
         vec![constant]
     } else {
         // Extinction of its own, and an emission of density j0 + j1 t.
-        let ramp = LinearRamp::new(j0, DVec3::ZERO, DVec3::X * j1).unwrap();
+        let ramp = linear(j0, DVec3::X * j1);
         vec![
             (0.0, length, absorbing(sigma_t, 0.0), None),
             (0.0, length, absorbing(0.0, 1.0), Some(ramp)),
@@ -442,7 +452,7 @@ fn two_layers(entry: &Entry) {
 fn linear_density(entry: &Entry) {
     let (sigma0, a, source) = (entry.input("sigma0"), entry.input("a"), entry.input("S0"));
     let length = entry.input("length");
-    let ramp = LinearRamp::new(1.0, DVec3::ZERO, DVec3::X * a).unwrap();
+    let ramp = linear(1.0, DVec3::X * a);
     let medium = absorbing(sigma0, sigma0 * source);
     let found = seen(&[(0.0, length, medium, Some(ramp))], 0.0);
     entry.is_within("L_isothermal", found, 8.0 * U * found);

@@ -108,16 +108,15 @@ fn what_is_refused_says_where() {
 △f 1 -9223372036854775808 2 | 4:5: this face refers to the vertex
 △⏎f 1 2 | 5:1: a face has three corners or more, this one has 2
 △f | 4:1: a face has three corners or more, this one has 0
-△f 1 2 \ | 4:7: the file ends where this line is to go on
 v 0 0 0⏎v 1 1,5 0 | 2:5: y is "1,5", which is not a number: write it like 0.5
 v 0 0 \⏎ nan | 2:2: z is "nan", which is not finite
 v 1 2 | 1:1: a `v` line of a mesh has 3 numbers (x y z)
 v 1 2 3 0.5 | 1:9: w is 0.5, and a vertex of a mesh has no weight
 v 1 2 3 1 1 | 1:1: a `v` line of a mesh has 3 numbers
 △vertex 1 | 4:1: "vertex" is not a keyword of the OBJ format
-ply⏎format ascii 1.0 | this is a file of the format PLY, and only OBJ is read: convert it
+ply⏎format ascii 1.0 | this begins like a PLY file, and only OBJ is read: convert it
 △f 1 2 3⏎surf 0 1 0 1 1 2 3 | 5:1: a free-form surface is not a polygon
-call other.obj | 1:1: `call` includes another file
+call other.obj | 1:1: "call" is not a keyword of the OBJ format
 △ | the mesh has no faces
  | the mesh has no faces
 △deg 3⏎curv 0 1 1 2 3⏎end | the mesh has no faces: export it as polygons
@@ -159,7 +158,7 @@ call other.obj | 1:1: `call` includes another file
         .unwrap_err()
         .to_string();
     assert!(
-        error.contains("belongs to the face in line 9 only"),
+        error.contains("belongs to one face, the face in line 9 among them"),
         "{error}"
     );
 }
@@ -212,10 +211,7 @@ fn vertices_that_almost_coincide() {
     };
     soup(0.0).unwrap();
     let error = soup(1e-9).unwrap_err().to_string();
-    assert!(
-        error.starts_with("the mesh is open: the edge from "),
-        "{error}"
-    );
+    assert!(error.contains(" belongs to one face, "), "{error}");
     assert!(error.contains("merge vertices by distance"), "{error}");
 }
 
@@ -224,19 +220,23 @@ fn meshes_of_other_formats() {
     // 80 bytes of anything, no triangle.
     let empty_stl = [&[b' '; 80][..], &[0; 4]].concat();
     let full_stl = [&[0; 80][..], &[1, 0, 0, 0], &[0; 50]].concat();
-    for (bytes, format) in [
-        (&b"ply\nformat ascii 1.0\n"[..], "PLY"),
-        (b"ply\r\nformat binary_little_endian 1.0\r\n\0", "PLY"),
-        (b"solid \nfacet normal 0 0 1\n", "STL"),
-        (&empty_stl, "STL"),
-        (&full_stl, "STL"),
-        (b"OFF\n8 6 0\n", "OFF"),
-        (b"glTF\x02\0\0\0", "glTF"),
+    for (bytes, expected) in [
+        (&b"ply\nformat ascii 1.0\n"[..], "a PLY file, and only OBJ"),
+        (
+            b"ply\r\nformat binary_little_endian 1.0\r\n\0",
+            "a PLY file",
+        ),
+        (
+            b"solid \nfacet normal 0 0 1\n",
+            "\"solid\" is not a keyword",
+        ),
+        (&empty_stl, "not plain text"),
+        (&full_stl, "not plain text"),
+        (b"OFF\n8 6 0\n", "\"OFF\" is not a keyword"),
+        (b"glTF\x02\0\0\0", "a mesh of glTF, and only OBJ"),
     ] {
         let error = read(bytes).unwrap_err().to_string();
-        let expected =
-            format!("this is a file of the format {format}, and only OBJ is read: convert");
-        assert!(error.starts_with(&expected), "{error}");
+        assert!(error.contains(expected), "{error}");
     }
 }
 

@@ -412,22 +412,22 @@ fn coefficients() {
         (COEFFICIENTS, "g = 1"),
         (COEFFICIENTS, "g = -1.5"),
         (COEFFICIENTS, "emission = -1"),
-    ]), @r#"
-    13:11: `sigma_a` must not be negative, got [-0.5, -0.5, -0.5]
+    ]), @r"
+    13:11: `sigma_a` must be finite and at least 0 in every channel, got [-0.5, -0.5, -0.5]
     13:11: `sigma_a` must be finite, got inf
     14:11: `sigma_s` must be finite, got nan
     14:11: `sigma_s` must be three numbers, not 2
     13:11: the coefficients are too large: sigma_t must be finite and not negative in every channel, got [inf, inf, inf] help: give smaller coefficients, or choose another unit of length
     14:10: `albedo` must lie in [0, 1] in every channel, got [1.2, 1.2, 1.2]
-    14:10: `albedo` must not be negative, got [0, -0.5, 0]
+    14:10: `albedo` must lie in [0, 1] in every channel, got [0, -0.5, 0]
     13:11: [radiative.medium[0]] gives `sigma_t` without `albedo` help: give `albedo` too: Fraction of the extinction that scatters, sigma_s / sigma_t, in [0, 1]; to give coefficients, write `sigma_a` and `sigma_s`.
     13:10: [radiative.medium[0]] gives `albedo` without `sigma_t` help: give `sigma_t` too: Extinction per world length, absorption and scattering together; goes with `albedo`.
-    14:11: [radiative.medium[0]] mixes `sigma_s` with `sigma_t` help: give either `sigma_a` and `sigma_s`, or `sigma_t` and `albedo`
-    15:11: [radiative.medium[0]] mixes `sigma_a`, `sigma_s` with `albedo` help: give either `sigma_a` and `sigma_s`, or `sigma_t` and `albedo`
+    14:11: [radiative.medium[0]] mixes `sigma_s` with `sigma_t` help: give either `sigma_a`, `sigma_s`, or `sigma_t`, `albedo`
+    15:11: [radiative.medium[0]] mixes `sigma_a`, `sigma_s` with `albedo` help: give either `sigma_a`, `sigma_s`, or `sigma_t`, `albedo`
     13:5: `g` must lie in (-1, 1), got 1
     13:5: `g` must lie in (-1, 1), got -1.5
-    13:12: `emission` must not be negative, got [-1, -1, -1]
-    "#);
+    13:12: `emission` must be finite and at least 0 in every channel, got [-1, -1, -1]
+    ");
 }
 
 /// Every way to say how a density differs from place to place.
@@ -608,7 +608,7 @@ fn densities_that_are_none() {
         block("<medium type=\"procedural\">\n  <flaot name=\"gain\" value=\"1\"/>\n</medium>"),
         block("<medium type=\"procedural\">\n  <color name=\"sigma_a\" value=\"1 1\"/>\n</medium>"),
     ];
-    insta::assert_snapshot!(all.concat(), @r#"
+    insta::assert_snapshot!(all.concat(), @r"
     12:9: a heterogeneous medium needs a shape: without one it is unbounded help: give the medium a `box`, `sphere` or `mesh`
     12:17: none.vol: there is no such file
     14:8: [radiative.medium[0]] has more than one density: `noise`, `blob` help: keep at most one of `noise`, `blob`
@@ -620,15 +620,15 @@ fn densities_that_are_none() {
     13:38: `width` must be finite and above 0, got 0
     13:40: up must be finite and not zero, got [0, 0, 0]
     13:15: missing key `scale_height` in [radiative.medium[0].exponential]
-    14:11: an extinction of 3.5000e0 times a density of up to 1.0000e308 over a length of up to 3.4641e0 is beyond the largest number help: give smaller coefficients, densities or lengths
-    14:11: the medium is up to 1.2124e8 optical depths thick, and its density varies: light is traced through at most 1.6777e7 help: give smaller coefficients, densities or lengths
+    14:11: the medium is up to inf optical depths thick, with a density of up to 1.0000e308 over a length of up to 3.4641e0: light is traced through at most 1.6777e7 help: give smaller coefficients, densities or lengths
+    14:11: the medium is up to 1.2124e8 optical depths thick, with a density of up to 1.0000e7 over a length of up to 3.4641e0: light is traced through at most 1.6777e7 help: give smaller coefficients, densities or lengths
     12:8: the medium has a density but no coefficients, so it has no effect on light help: give it `sigma_a`, `sigma_s` or `emission`, as they are where the density is 1
-    14:17: [radiative.medium[0]] mixes `procedural` with `interpolation` help: give either `procedural` or `interpolation`
+    14:17: [radiative.medium[0]] mixes `procedural` with `interpolation` help: give either `procedural`, or `interpolation`
     13:23: there is no file none.xml
     13:14: [radiative.medium[0].procedural] has no source help: give one of `file`, `text`
-    16:3: unknown element <flaot> help: a procedural medium may hold <color>, <float>, <integer>, <vector>, such as <float name="g" value="0.5"/> for the mean cosine of Henyey and Greenstein's phase function
-    16:32: `sigma_a` must be three numbers, not 2
-    "#);
+    13:1: the medium has a density but no coefficients, so it has no effect on light help: give it `sigma_a`, `sigma_s` or `emission`, as they are where the density is 1
+    2:32: `sigma_a` must be three numbers, not 2
+    ");
 }
 
 #[test]
@@ -647,7 +647,7 @@ fn matter() {
         (DIFFUSE, "emitter = { radiance = -1 }"),
     ]), @r#"
     9:27: `reflectance` must lie in [0, 1] in every channel, got [1.5, 1.5, 1.5]
-    9:27: `reflectance` must not be negative, got [0, 0, -0.1]
+    9:27: `reflectance` must lie in [0, 1] in every channel, got [0, 0, -0.1]
     9:11: missing key `reflectance` in [radiative.surface[0].diffuse]
     7:1: [radiative.surface[0]] has no material help: give one of `diffuse`, `mirror`, `glass`, `emitter`
     10:9: [radiative.surface[0]] has more than one material: `diffuse`, `glass` help: keep exactly one of `diffuse`, `glass`
@@ -656,7 +656,7 @@ fn matter() {
     9:1: unknown key `difuse` in [radiative.surface[0]] help: did you mean `diffuse`?
     9:13: unknown key `reflectence` in [radiative.surface[0].diffuse] help: did you mean `reflectance`?
     9:35: `sides` must be one of "front", "both", but is "back"
-    9:24: `radiance` must not be negative, got [-1, -1, -1]
+    9:24: `radiance` must be finite and at least 0 in every channel, got [-1, -1, -1]
     "#);
 }
 
@@ -671,7 +671,6 @@ fn shapes() {
         ("radius = 1", "raduis = 1"),
         (SPHERE, "rectangle = { corner = [0, 0, 0], edge_u = [1, 0, 0], edge_v = [2, 0, 0] }"),
         (SPHERE, "box = { min = [0, 2, 0], max = [1, 1, 1] }"),
-        (SPHERE, "box = { min = [0, 1, 0], max = [1, 1, 0] }"),
         (SPHERE, "mesh = { file = \"none.obj\" }"),
         (SPHERE, "mesh = { file = \"folder.obj\" }"),
         (SPHERE, "mesh = { file = \"points.obj\" }"),
@@ -682,7 +681,7 @@ fn shapes() {
         (BOX, "box = { min = [0, 1, 0], max = [1, 1, 1] }\nsphere = { centre = [0, 0, 0], radius = 1 }"),
         (BOX, "rectangle = { corner = [0, 0, 0] }"),
         (BOX, "translate = [1, 0, 0]"),
-    ]), @r#"
+    ]), @r"
     7:1: [radiative.surface[0]] has no shape help: give one of `rectangle`, `sphere`, `box`, `mesh`
     9:8: [radiative.surface[0]] has more than one shape: `sphere`, `mesh` help: keep exactly one of `sphere`, `mesh`
     8:41: `radius` must be finite and above 0, got 0
@@ -691,18 +690,17 @@ fn shapes() {
     8:32: unknown key `raduis` in [radiative.surface[0].sphere] help: did you mean `radius`?
     8:64: a rectangle with edges [1, 0, 0] and [2, 0, 0] has no area; give two edges that are not parallel
     8:15: the box's min [0, 2, 0] must not exceed its max [1, 1, 1] on any axis; swap them where it does
-    8:7: the box is a line or a point: no ray can meet it help: give `max` larger coordinates than `min` on two axes or all three
     8:17: there is no file none.obj
     8:17: folder.obj cannot be read: this is a directory, not a file
     8:17: points.obj: the mesh has no faces: export it as polygons; a file of bare points is a point cloud
     8:17: thin.obj: the face in line 6 has no area: its corners [0, 0, 0], [1, 0, 0] and [2, 0, 0] lie on a line; remove it
-    12:17: open.obj: the mesh is open: the edge from [0, 1, 0] to [1, 0, 0] belongs to the face in line 5 only; a medium or glass needs a closed boundary, so fill the hole, or merge vertices by distance where they almost coincide, for instance in Blender or MeshLab
+    12:17: open.obj: the edge from [0, 1, 0] to [1, 0, 0] belongs to one face, the face in line 5 among them, and a closed boundary has two at each: fill the hole, or merge vertices by distance, for instance in Blender or MeshLab
     12:17: thin.obj: the face in line 6 has no area: its corners [0, 0, 0], [1, 0, 0] and [2, 0, 0] lie on a line; remove it
     12:7: the box is flat: it has no inside, as a medium needs help: give `max` larger coordinates than `min` on every axis; a flat surface is a `rectangle`
     13:10: [radiative.medium[0]] has more than one shape: `sphere`, `box` help: keep at most one of `sphere`, `box`
     12:1: unknown key `rectangle` in [radiative.medium[0]] help: allowed keys in [radiative.medium[0]]: sphere, box, mesh, scale, rotate, translate, grid, interpolation, noise, exponential, linear, blob, procedural, g, draine, droplets, sigma_a, sigma_s, sigma_t, albedo, emission
     12:13: a medium without a shape fills all space: `translate` has no effect help: give the medium a `sphere`, `box` or `mesh`, or remove `translate`
-    "#);
+    ");
 }
 
 #[test]
@@ -739,24 +737,24 @@ fn places() {
         let text = edited(&[(SPHERE, shape), (DIFFUSE, "emitter = { radiance = 1 }")]);
         all.push_str(&said_about(&text));
     }
-    insta::assert_snapshot!(all, @r#"
+    insta::assert_snapshot!(all, @r"
     9:9: scaling by [1, 0, 1] flattens the object; give a factor other than 0 on every axis
     9:9: `scale` must be three numbers, such as [0, 1, 0], not an integer
     9:19: a rotation needs an axis other than the zero vector
     9:10: missing key `angle` in [radiative.surface[0].rotate]
     9:38: `angle` must be finite, got inf
     9:10: `rotate` must be a table, not an array
-    8:10: after its transform, the sphere is too far from the origin for its size: rounding would distort it help: scale it less, or move the scene nearer to the origin
-    8:10: after its transform, the sphere is too far from the origin for its size: rounding would distort it help: scale it less, or move the scene nearer to the origin
+    8:10: the sphere is 0.000e0 across and reaches to coordinates of 1.000e0: light is traced between shapes at least 1e-100 across, in coordinates up to 1e100 help: choose another unit of length
+    8:10: the sphere is inf across and reaches to coordinates of inf: light is traced between shapes at least 1e-100 across, in coordinates up to 1e100 help: choose another unit of length
     9:1: unknown key `rotat` in [radiative.surface[0]] help: did you mean `rotate`?
     8:7: the box is flat: it has no inside, as glass needs help: give `max` larger coordinates than `min` on every axis; a flat surface is a `rectangle`
     9:9: an emitting sphere cannot be stretched to an ellipsoid help: scale by the same factor along x, y and z, or give a mesh of the ellipsoid
-    8:10: the area of this light is inf, beyond the range of numbers help: choose other units of length
+    8:10: the sphere is 3.464e200 across and reaches to coordinates of 1.000e200: light is traced between shapes at least 1e-100 across, in coordinates up to 1e100 help: choose another unit of length
     8:7: the box is flat: it has no inside, as a light in the shape of a box needs help: give `max` larger coordinates than `min` on every axis; a flat surface is a `rectangle`
     8:64: a rectangle with edges [0, 0, 0] and [0, 1, 0] has no area; give two edges that are not parallel
     8:13: after its transform: a rectangle with edges [0.000000000000000000000000000001, 0, 0] and [0, 0.000000000000000000000000000001, 0] has no area; give two edges that are not parallel
     8:8: after its transform: the face in line 5 has no area: its corners [1, 1, 1], [1, 1, 1] and [1, 1, 1] lie on a line; remove it
-    "#);
+    ");
 }
 
 #[test]
@@ -775,9 +773,9 @@ fn lights() {
         (POINT, "sun = 1"),
         ("[[radiative.light]]", "[radiative.light]"),
         ("[[radiative.light]]\npoint = { position = [0, 3, 0], intensity = 10 }", "[[panel]]\nradiative.light = [1]"),
-    ]), @r#"
+    ]), @r"
     16:1: [radiative.light[0]] has no kind of light help: give one of `point`, `spot`, `directional`
-    17:45: `intensity` must not be negative, got [-1, -1, -1]
+    17:45: `intensity` must be finite and at least 0 in every channel, got [-1, -1, -1]
     17:22: `position` must be three numbers, not 2
     18:15: [radiative.light[0]] has more than one kind of light: `point`, `directional` help: keep exactly one of `point`, `directional`
     17:41: the spotlight has no direction: its target is its position
@@ -789,33 +787,7 @@ fn lights() {
     17:1: unknown key `sun` in [radiative.light[0]] help: allowed keys in [radiative.light[0]]: point, spot, directional
     16:1: `light` must be tables in double brackets, [[…]], not a table
     17:19: `light` must be tables in double brackets, [[…]], not an integer
-    "#);
-}
-
-#[test]
-fn more_than_an_image_holds() {
-    insta::assert_snapshot!(said(&[
-        ("[radiative]", "[radiative]\nenvironment = 1e39"),
-        ("intensity = 10", "intensity = [0, 2e38, 0]"),
-        (POINT, "directional = { direction = [0, 1, 0], irradiance = 1e300 }"),
-        (DIFFUSE, "emitter = { radiance = 1e39 }"),
-        (COEFFICIENTS, "emission = 1e39"),
-        (COEFFICIENTS, "emission = 1e38"),
-        (COEFFICIENTS, "emission = 1e38\nsigma_a = 1e-3"),
-        (&format!("{BOX}\n{COEFFICIENTS}"), "emission = 1e38\nsigma_a = 1e-3"),
-    ]), @r#"
-    6:15: `environment` is 1e39, but an image holds at most 1.701e38 help: an image holds 32-bit numbers; choose another unit of radiance
-    17:45: `intensity` is 2e38, but an image holds at most 1.701e38 help: an image holds 32-bit numbers; choose another unit of radiance
-    17:53: `irradiance` is 1e300, but an image holds at most 1.701e38 help: an image holds 32-bit numbers; choose another unit of radiance
-    9:24: `radiance` is 1e39, but an image holds at most 1.701e38 help: an image holds 32-bit numbers; choose another unit of radiance
-    13:12: `emission` is 1e39, but an image holds at most 1.701e38 help: an image holds 32-bit numbers; choose another unit of radiance
-    13:12: the medium emits up to 3.464e38 towards the eye; an image holds at most 1.701e38 help: give a smaller emission or a smaller shape
-    13:12: the medium emits up to 3.464e38 towards the eye; an image holds at most 1.701e38 help: give a smaller emission or a smaller shape
-    12:12: the medium emits up to 1.000e41 towards the eye; an image holds at most 1.701e38 help: give a smaller emission or a smaller shape
-    "#);
-    // What the medium itself takes away is not seen.
-    let dense = edited(&[(COEFFICIENTS, "emission = 1e38\nsigma_a = 2")]);
-    parse(&dense).unwrap();
+    ");
 }
 
 #[test]
@@ -851,18 +823,18 @@ fn parts_that_make_no_picture_together() {
     ] {
         all.push_str(&said_about(&edited(&edits)));
     }
-    insta::assert_snapshot!(all, @r#"
-    6:15: `environment` is infinitely far away, and a medium fills all space: none of its light arrives help: give the medium a boundary: a `sphere`, `box` or closed `mesh`; or light the scene from within, by emitting surfaces, points or spots
-    13:12: a medium that fills all space and emits without absorbing is infinitely bright help: give the medium a boundary: a `sphere`, `box` or closed `mesh`; or give it absorption in every channel that it emits in
-    13:12: a medium that fills all space and emits without absorbing is infinitely bright help: give the medium a boundary: a `sphere`, `box` or closed `mesh`; or give it absorption in every channel that it emits in
-    13:11: a medium that fills all space and scatters without absorbing scatters light for ever help: give the medium a boundary: a `sphere`, `box` or closed `mesh`; or give it some absorption in every channel that it scatters in; or limit `radiative.max_bounces`
-    13:11: a medium that fills all space and scatters without absorbing scatters light for ever help: give the medium a boundary: a `sphere`, `box` or closed `mesh`; or give it some absorption in every channel that it scatters in; or limit `radiative.max_bounces`
-    14:10: a medium that fills all space and scatters without absorbing scatters light for ever help: give the medium a boundary: a `sphere`, `box` or closed `mesh`; or give it some absorption in every channel that it scatters in; or limit `radiative.max_bounces`
-    16:15: a directional light is infinitely far away, and a medium fills all space: none of its light arrives help: give the medium a boundary: a `sphere`, `box` or closed `mesh`; or light the scene from within, by emitting surfaces, points or spots
-    17:9: camera paths cannot sample light from a point light that arrives by way of a glass surface help: use a small emitting sphere in place of the light, or a diffuse surface in place of the glass
-    17:8: camera paths cannot sample light from a spot light that arrives by way of a mirror surface help: use a small emitting sphere or rectangle in place of the light, or a diffuse surface in place of the mirror
-    17:15: camera paths cannot sample light from a directional light that arrives by way of a mirror surface help: use a far emitting sphere or the environment in place of the light, or a diffuse surface in place of the mirror
-    "#);
+    insta::assert_snapshot!(all, @r"
+    6:15: a medium fills all space, and no light arrives from infinitely far away, as of `environment` help: give the medium a boundary: a `sphere`, `box` or closed `mesh`; or light the scene from within, by emitting surfaces, points or spots
+    13:12: a medium that fills all space and emits without absorbing is infinitely bright help: give the medium a boundary: a `sphere`, `box` or closed `mesh`; or give it some absorption in every channel that it emits or scatters in, or limit `radiative.max_bounces`
+    13:12: a medium that fills all space and emits without absorbing is infinitely bright help: give the medium a boundary: a `sphere`, `box` or closed `mesh`; or give it some absorption in every channel that it emits or scatters in, or limit `radiative.max_bounces`
+    13:11: a medium that fills all space and scatters without absorbing scatters light for ever help: give the medium a boundary: a `sphere`, `box` or closed `mesh`; or give it some absorption in every channel that it emits or scatters in, or limit `radiative.max_bounces`
+    13:11: a medium that fills all space and scatters without absorbing scatters light for ever help: give the medium a boundary: a `sphere`, `box` or closed `mesh`; or give it some absorption in every channel that it emits or scatters in, or limit `radiative.max_bounces`
+    14:10: a medium that fills all space and scatters without absorbing scatters light for ever help: give the medium a boundary: a `sphere`, `box` or closed `mesh`; or give it some absorption in every channel that it emits or scatters in, or limit `radiative.max_bounces`
+    16:15: a medium fills all space, and no light arrives from infinitely far away, as of `directional` help: give the medium a boundary: a `sphere`, `box` or closed `mesh`; or light the scene from within, by emitting surfaces, points or spots
+    16:1: camera paths cannot sample light from a point, spot or directional light that arrives by way of a mirror or glass help: use a small or far emitting surface, or the environment, in place of the light; or a diffuse surface
+    16:1: camera paths cannot sample light from a point, spot or directional light that arrives by way of a mirror or glass help: use a small or far emitting surface, or the environment, in place of the light; or a diffuse surface
+    16:1: camera paths cannot sample light from a point, spot or directional light that arrives by way of a mirror or glass help: use a small or far emitting surface, or the environment, in place of the light; or a diffuse surface
+    ");
 }
 
 /// A light in the plane of a rectangle is refused, one beside or off it is not.
@@ -891,7 +863,7 @@ fn lights_exactly_in_surfaces() {
     }
     let said = [point(5.0, 0.0), lamp(5.0)].map(|light| said_about(&scene(&light)));
     insta::assert_snapshot!(said.concat(), @r"
-    9:9: the light stands exactly in a rectangle, on neither side of it help: move the light a little off the surface, to the side that it shines on
+    8:1: the light stands exactly in a rectangle, on neither side of it help: move the light a little off the surface, to the side that it shines on
     5:1: an emitting rectangle lies exactly in another surface: either hides the other help: move the light a little off the surface, to the side that it shines on
     ");
 }
@@ -946,14 +918,13 @@ fn at_most_64_media() {
         )])
     };
     assert_eq!(radiative(&parse(&with(64)).unwrap(), 0).media.len(), 64);
-    insta::assert_snapshot!(said_about(&with(65)), @r#"
-    142:1: this is medium 65, one too many help: a scene holds at most 64 media
-    "#);
+    insta::assert_snapshot!(said_about(&with(65)), @r"
+    11:1: 65 tables of `medium` are too many: a scene has at most 64
+    ");
 }
 
 #[test]
 fn what_belongs_to_other_models() {
-    let curve = "[film]\n[curve]\n";
     let mut all = String::new();
     for text in [
         edited(&[("[camera]", "[transfer_function]\nfloor = 0.5\n[camera]")]),
@@ -971,8 +942,6 @@ fn what_belongs_to_other_models() {
         edited(&[("[camera]\neye = [0, 0, -5]\ntarget = [0, 0, 0]\n", "")]),
         edited(&[("[radiative]", "[radiative]\nscatering = \"none\"")]),
         edited(&[("[[radiative.light]]", "[[radiative.lights]]")]),
-        format!("{curve}[sampling]\n"),
-        "[classified]\nvolume.file = \"none.obj\"\n[sampling]\n".to_owned(),
     ] {
         all.push_str(&said_about(&text));
     }
@@ -989,8 +958,6 @@ fn what_belongs_to_other_models() {
     2:1: a radiative scene needs a camera help: give [camera] with `eye`, its position, and `target`, the point it looks at, or a `matrix`
     6:1: unknown key `scatering` in [radiative] help: did you mean `scattering`?
     16:13: unknown key `lights` in [radiative] help: did you mean `light`?
-    3:1: a plot of the curve is drawn without random numbers help: remove [sampling]
-    3:1: a classified volume is rendered without random numbers help: remove [sampling]
     "#);
 }
 

@@ -120,7 +120,7 @@ fn is_composited(model: &Model) -> bool {
 /// Composited from samples of one volume, or projected, or passed: an integral has one renderer, whose opponent is in
 /// `limits.rs`; several volumes agree up to rounding (`several_volumes.rs`).
 fn is_sampled(model: &Model) -> bool {
-    matches!(model, Model::Classified(scene) if !scene.is_continuous() && !scene.has_objects())
+    matches!(model, Model::Classified(scene) if !scene.continuous && !scene.has_objects())
 }
 
 #[test]
@@ -178,7 +178,7 @@ fn generated_classified_scenes_agree_to_the_bit() {
         let Model::Classified(classified) = &scene.panels[0].model else {
             panic!("a classified scene");
         };
-        if classified.is_continuous() || lookups(classified, 64) > MOST_LOOKUPS {
+        if classified.continuous || lookups(classified, 64) > MOST_LOOKUPS {
             continue;
         }
         match (rendered(&scene, SAMPLING), plain(&scene, SAMPLING)) {

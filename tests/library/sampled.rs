@@ -70,7 +70,7 @@ fn every_case_can_be_met() {
         for panel in &loaded.panels {
             let scene = panel.classified().unwrap();
             assert!(
-                scene.phong.is_none() && scene.shadow.is_none() && !scene.is_continuous(),
+                scene.phong.is_none() && scene.shadow.is_none() && !scene.continuous,
                 "{name}"
             );
         }

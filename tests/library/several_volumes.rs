@@ -219,7 +219,7 @@ fn a_second_number_modulates_opacity() {
         ),
         (
             format!("of = 'gradient'\n{half}\n[classified.conventions]\njitter = true"),
-            "beside a shadow, or modulated opacities, several",
+            "by common steps, without shadow and modulation",
         ),
         (
             "of = 'gradient'\npoint = [{ value = 1, factor = 0 }, { value = 0, factor = 1 }]"
@@ -694,17 +694,10 @@ fn conventions_of_one_volume_among_surfaces() {
     for (wrong, message) in [
         (
             text("first_sample = 1.0", "[classified.shadow]"),
-            "follow no conventions",
+            "by common steps, without shadow",
         ),
         (text("first_sample = 1.0", &volume), "by common steps"),
-        (
-            text("volume_boxes = 'voxels'", &volume),
-            "give `volume_steps",
-        ),
-        (
-            format!("{volume}[classified.conventions]\nsample_behind_ends = true"),
-            "the scene has no further volumes",
-        ),
+        (text("volume_boxes = 'voxels'", &volume), "by common steps"),
     ] {
         let text =
             format!("film = {{ width = 8, height = 8 }}\n{VIEW}[classified]\nstep = 0.3\n{wrong}");

@@ -59,7 +59,7 @@ fn sizes_are_checked_before_reading() {
     assert_eq!(
         message(&folder, &grid),
         "huge.bin: the header declares 2 × 2 × 2 samples of float32, 32 bytes, but 1099511627752 bytes \
-         follow it: the file contains something else as well, or has another type or size"
+         follow it: the file is truncated, contains something else as well, or has another type or size"
     );
 }
 
@@ -308,17 +308,17 @@ fn keys_of_volume_files() {
 
     for row in r#"
 file = "grid.npy"; spacing = [1, 0, 1] | :5:11: the node spacing must be positive and finite on every axis
-file = "nan.vol"; spacing = [1, 1, 1] | :5:11: `spacing` applies to .npy and .npz files; "nan.vol" is none of these
+file = "nan.vol"; spacing = [1, 1, 1] | :5:11: `spacing` does not apply to "nan.vol"
 file = "grid.npy"; nodes = [1, 1, 1] | `nodes`
-file = "nan.vol"; axes = "xyz" | :5:8: `axes` applies to arrays and raw samples; "nan.vol" is none of these
-file = "two.obj"; axes = "zyx" | :5:8: `axes` applies to arrays and raw samples
+file = "nan.vol"; axes = "xyz" | :5:8: `axes` does not apply to "nan.vol"
+file = "two.obj"; axes = "zyx" | :5:8: `axes` does not apply to "two.obj"
 file = "grid.npy"; axes = "yxz" | `axes`
-file = "a\b.vol" | there is no such file; in double quotes `\t`, `\n` and the like are single letters
+file = "a\b.vol" | there is no such file
 file = "a\q.vol" | :4:11: missing escaped value
 file = "nan.vol" | :4:8: 
 file = "nan.vol" | voxel (1, 0, 0), counted as stored, holds NaN: values must be finite, and not beyond 3.4e38; correct it, or set `replace_non_finite` beside `file` in the scene
-file = "nan.vol"; padding = 1 | :5:11: `padding` applies to point clouds; "nan.vol" is none of these
-file = "two.obj"; centring = "cells" | :5:12: `centring` applies to grids; "two.obj" is none of these
+file = "nan.vol"; padding = 1 | :5:11: `padding` does not apply to "nan.vol"
+file = "two.obj"; centring = "cells" | :5:12: `centring` does not apply to "two.obj"
 file = "scan.raw"; centring = "cells" | scan.raw: unsupported file extension; supported are
 file = "nan.vol"; detached_anywhere = 1 | :5:21: `detached_anywhere` must be true or false, not an integer
 file = "nan.vol"; replace_non_finite = 1e39 | `replace_non_finite` must lie in"#

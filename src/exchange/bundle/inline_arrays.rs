@@ -1,15 +1,12 @@
 //! JSON to be read by people: keys in the order they are given, objects over several lines, arrays
-//! of numbers in one.
+//! in one.
 
 use glam::DVec3;
-use serde::ser::{Serialize, SerializeMap, Serializer};
 use serde_json::Value;
-use serde_json::ser::{Formatter, PrettyFormatter};
-use std::io::{Result, Write};
 
 /// A JSON value whose objects keep the order of their keys.
 pub(super) enum Json {
-    /// Anything but an object with an order.
+    /// A number, a text, true, false or null.
     Value(Value),
     /// Keys and values.
     Object(Entries),
@@ -38,8 +35,7 @@ macro_rules! from_values {
     )*};
 }
 
-from_values! { (), bool, f64, u32, u64, usize, &str, String, Option<&str>, Option<String>, Option<u32> }
-from_values! { [usize; 3], [f64; 2], [f64; 3], Vec<u8>, Vec<f64>, Vec<usize>, Vec<String>, Vec<[f64; 3]> }
+from_values! { (), bool, f64, u8, u32, u64, usize, &str, String }
 
 impl From<DVec3> for Json {
     fn from(vector: DVec3) -> Json {
@@ -53,86 +49,42 @@ impl From<Entries> for Json {
     }
 }
 
-impl From<Vec<Json>> for Json {
-    fn from(values: Vec<Json>) -> Json {
-        Json::List(values)
+impl<T: Into<Json>> From<Vec<T>> for Json {
+    fn from(values: Vec<T>) -> Json {
+        Json::List(values.into_iter().map(Into::into).collect())
     }
 }
 
-impl From<Option<Entries>> for Json {
-    fn from(entries: Option<Entries>) -> Json {
-        entries.map_or(().into(), Json::Object)
+impl<T: Into<Json>, const N: usize> From<[T; N]> for Json {
+    fn from(values: [T; N]) -> Json {
+        Vec::from(values).into()
     }
 }
 
-impl Serialize for Json {
-    fn serialize<S: Serializer>(&self, serializer: S) -> std::result::Result<S::Ok, S::Error> {
+impl<T: Into<Json>> From<Option<T>> for Json {
+    fn from(value: Option<T>) -> Json {
+        value.map_or(().into(), Into::into)
+    }
+}
+
+impl Json {
+    /// The text of this value, in a line with this indentation.
+    pub(super) fn text(&self, indent: &str) -> String {
         match self {
-            Json::Value(value) => value.serialize(serializer),
-            Json::List(values) => values.serialize(serializer),
+            Json::Value(value) => value.to_string(),
+            Json::List(values) => {
+                let values: Vec<String> = values.iter().map(|value| value.text(indent)).collect();
+                format!("[{}]", values.join(", "))
+            }
+            Json::Object(entries) if entries.is_empty() => "{}".to_owned(),
             Json::Object(entries) => {
-                let mut map = serializer.serialize_map(Some(entries.len()))?;
-                for (key, value) in entries {
-                    map.serialize_entry(key, value)?;
-                }
-                map.end()
+                let inner = format!("{indent}  ");
+                let entry = |(key, value): &(&str, Json)| {
+                    format!("{inner}\"{key}\": {}", value.text(&inner))
+                };
+                let entries: Vec<String> = entries.iter().map(entry).collect();
+                format!("{{\n{}\n{indent}}}", entries.join(",\n"))
             }
         }
-    }
-}
-
-/// `value` as JSON, with a newline at the end.
-pub(super) fn to_json(value: &impl Serialize) -> Vec<u8> {
-    let mut text = Vec::new();
-    let formatter = InlineArrays(PrettyFormatter::new());
-    value
-        .serialize(&mut serde_json::Serializer::with_formatter(
-            &mut text, formatter,
-        ))
-        .expect("texts and numbers are JSON, and memory takes all bytes");
-    text.push(b'\n');
-    text
-}
-
-/// The usual pretty form, but for arrays.
-struct InlineArrays(PrettyFormatter<'static>);
-
-impl Formatter for InlineArrays {
-    fn begin_array_value<W: Write + ?Sized>(&mut self, writer: &mut W, first: bool) -> Result<()> {
-        writer.write_all(if first { b"" } else { b", " })
-    }
-
-    fn begin_object<W: Write + ?Sized>(&mut self, writer: &mut W) -> Result<()> {
-        self.0.begin_object(writer)
-    }
-
-    fn end_object<W: Write + ?Sized>(&mut self, writer: &mut W) -> Result<()> {
-        self.0.end_object(writer)
-    }
-
-    fn begin_object_key<W: Write + ?Sized>(&mut self, writer: &mut W, first: bool) -> Result<()> {
-        self.0.begin_object_key(writer, first)
-    }
-
-    fn begin_object_value<W: Write + ?Sized>(&mut self, writer: &mut W) -> Result<()> {
-        self.0.begin_object_value(writer)
-    }
-
-    fn end_object_value<W: Write + ?Sized>(&mut self, writer: &mut W) -> Result<()> {
-        self.0.end_object_value(writer)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use serde_json::json;
-
-    #[test]
-    fn arrays_stay_in_one_line() {
-        let value = json!({ "a": [1.5, [2, 3]], "b": [{ "c": [] }, { "d": null }] });
-        let expected = "{\n  \"a\": [1.5, [2, 3]],\n  \"b\": [{\n    \"c\": []\n  }, {\n    \
-                        \"d\": null\n  }]\n}\n";
-        assert_eq!(String::from_utf8(to_json(&value)).unwrap(), expected);
     }
 }

@@ -26,11 +26,10 @@ pub(super) fn described(curve: &Curve, layout: &PlotLayout, file: String) -> Ent
              slope^2), coverage = min(1, max(0, half_width + 1/2 - distance))"
         }
         Curve::Points(_) => {
-            "share of the pixel with centre (x, y) that the line covers: with distance that of (x, \
-             y) from the nearest of the straight lines between neighbours among (left, \
-             Y(a0(from))), (X(value), Y(opacity)) of each point, and (right, Y(a0(to))), where \
-             X(d) = left + (right - left)*(d - from)/(to - from), coverage = min(1, max(0, \
-             half_width + 1/2 - distance))"
+            "share of the pixel with centre (x, y) that the line covers: with distance that of (x, y) from the \
+             nearest of the straight lines between neighbours among (left, Y(a0(from))), (X(value), Y(opacity)) of \
+             each point, and (right, Y(a0(to))), where X(d) = left + (right - left)*(d - from)/(to - from), coverage \
+             = min(1, max(0, half_width + 1/2 - distance))"
         }
     };
     let blending = "pixel = pixel + (colour - pixel)*coverage, in linear RGB";

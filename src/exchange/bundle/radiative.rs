@@ -132,9 +132,9 @@ impl Parts<'_, '_> {
                 self.named(("exponential", EXPONENTIAL), numbers)
             }
             Field::Linear(ramp) => {
-                let (density, origin, gradient) = ramp.parameters();
-                let numbers =
-                    entries! { "density": density, "origin": origin, "gradient": gradient };
+                let numbers = entries! {
+                    "density": ramp.density, "origin": ramp.origin, "gradient": ramp.gradient,
+                };
                 self.named(("linear", LINEAR), numbers)
             }
             Field::Blob(it) => self.named(
@@ -208,17 +208,16 @@ const RADIANCE: &str = "L(x, w), the radiance seen from x along w, is for each c
     mirrors and glass see `lights`. w and v point away from the eye, against the light, and w.v is the cosine of \
     the angle of deflection. Coordinates are right-handed";
 
-const SHAPE: &str = "with a matrix, three rows of four numbers, the point q of a shape stands at p = M*q + o in \
-    the world, M its first three columns and o the last. The front of a sphere, of a box or of a closed mesh is \
-    its outside, that of a rectangle, which reaches from corner along edge_u and edge_v, the side that edge_u x \
-    edge_v points to, that of a triangle the side from which its vertices run anticlockwise, before the matrix: \
-    a matrix that mirrors keeps what is in front there. A box may be flat along an axis. Vertices of a mesh: \
-    bare float64, little endian, x, y, z of each; its triangles: bare uint32, little endian, three numbers of \
-    vertices, from 0, of each. Meshes are flat-shaded; the inside of a mesh is where it has been entered more \
-    often than left";
+const SHAPE: &str = "with a matrix, three rows of four numbers, the point q of a shape stands at p = M*q + o in the \
+    world, M its first three columns and o the last. The front of a sphere, of a box or of a closed mesh is its \
+    outside, that of a rectangle, which reaches from corner along edge_u and edge_v, the side that edge_u x edge_v \
+    points to, that of a triangle the side from which its vertices run anticlockwise, before the matrix: a matrix \
+    that mirrors keeps what is in front there. A box may be flat along an axis. Vertices of a mesh: bare float64, \
+    little endian, x, y, z of each; its triangles: bare uint32, little endian, three numbers of vertices, from 0, of \
+    each. Meshes are flat-shaded; the inside of a mesh is where it has been entered more often than left";
 
-const DIFFUSE: &str = "either side sends, in every direction of that side, reflectance/pi times the irradiance on \
-    it";
+const DIFFUSE: &str =
+    "either side sends, in every direction of that side, reflectance/pi times the irradiance on it";
 
 const MIRROR: &str =
     "either side sends reflectance times the radiance seen along the mirrored direction";
@@ -250,13 +249,12 @@ const MEDIUM: &str = "fills its shape, or all space if that is null, and does no
 const GRID: &str =
     "node positions and the box are those of points q; beyond the box the density is 0";
 
-const NOISE: &str = "with z = q*scale + offset, component by component, v = (sum of \
-    gain^i*n(z*lacunarity^i))/(sum of gain^i) over i = 0 ... octaves - 1, and d = min(max_density, max(0, (v + \
-    1)/2*max_density)): the density is d where d > threshold, else 0. n is Perlin's improved noise of 2002: with \
-    f = z - floor(z), [i, j, k] = floor(z) mod 256 and P = permutation, the corner [a, b, c] of a cell, each 0 \
-    or 1, has the gradient number P[P[P[i + a] + j + b] + k + c] mod 16 of `gradients`, all indices of P mod \
-    256, and its value is that gradient . (f - [a, b, c]); between the corners values are mixed in straight \
-    lines by the weights 6*f^5 - 15*f^4 + 10*f^3 of each axis";
+const NOISE: &str = "with z = q*scale + offset, component by component, v = (sum of gain^i*n(z*lacunarity^i))/(sum \
+    of gain^i) over i = 0 ... octaves - 1, and d = min(max_density, max(0, (v + 1)/2*max_density)): the density is d \
+    where d > threshold, else 0. n is Perlin's improved noise of 2002: with f = z - floor(z), [i, j, k] = floor(z) \
+    mod 256 and P = permutation, the corner [a, b, c] of a cell, each 0 or 1, has the gradient number P[P[P[i + a] + \
+    j + b] + k + c] mod 16 of `gradients`, all indices of P mod 256, and its value is that gradient . (f - [a, b, \
+    c]); between the corners values are mixed in straight lines by the weights 6*f^5 - 15*f^4 + 10*f^3 of each axis";
 
 const EXPONENTIAL: &str = "density*exp(-h/scale_height) at height h = up.(q - base)";
 

@@ -27,7 +27,7 @@ pub(super) fn described(scene: &Classified, raw: &mut SharedFiles) -> Entries {
     let surfaces = scene.objects.surfaces.iter().map(surface).collect();
     let clips = scene.objects.clips.iter().map(clip).collect();
     let shadow = scene.shadow.map(|_| SHADOW);
-    let merging = if scene.is_continuous() {
+    let merging = if scene.continuous {
         MERGING_WITHOUT_SAMPLES
     } else {
         MERGING
@@ -42,7 +42,7 @@ pub(super) fn described(scene: &Classified, raw: &mut SharedFiles) -> Entries {
 
 fn volume(alone: &Classified, file: String, clips: Vec<usize>, modulation: Option<Json>) -> Json {
     let mut entries = entries! { "grid": grid_of(alone, file), "clips": clips };
-    let sampling = if alone.is_continuous() {
+    let sampling = if alone.continuous {
         WITHOUT_SAMPLES
     } else {
         SAMPLING
@@ -69,11 +69,10 @@ fn surface(surface: &OpaqueSurface) -> Json {
     Json::Object(entries)
 }
 
-const SURFACE: &str = "surfaces are opaque. With a matrix, the point q of a shape stands at p = M*q + o in \
-    the world, M its first three columns and o the last. Triangles are numbers of vertices, from 0. The \
-    nearest surface that a ray meets, at t = t_hit, ends it: every t1 is at most t_hit, and colour, shaded by \
-    phong with n the normal on the side that is seen and times the share v of the light, stands in the place of \
-    the background";
+const SURFACE: &str = "surfaces are opaque. With a matrix, the point q of a shape stands at p = M*q + o in the \
+    world, M its first three columns and o the last. Triangles are numbers of vertices, from 0. The nearest surface \
+    that a ray meets, at t = t_hit, ends it: every t1 is at most t_hit, and colour, shaded by phong with n the \
+    normal on the side that is seen and times the share v of the light, stands in the place of the background";
 
 const SHADOW: &str = "the share v of the light that arrives at a sample or at a surface is the product of the \
     shares of all volumes, each with t0 where the ray towards the light enters what is left of it, 0 if \

@@ -16,7 +16,7 @@ pub(super) fn described(scene: &Classified, file: String) -> Entries {
     let mode = modes::described(scene);
     let formula = if mode.is_some() && scene.is_exact() {
         modes::EXACT
-    } else if scene.is_continuous() {
+    } else if scene.continuous {
         CONTINUOUS
     } else {
         SAMPLING
@@ -144,9 +144,8 @@ pub(super) fn interpolation(interpolation: Interpolation) -> Json {
         ),
         Interpolation::Trilinear => method(
             "trilinear",
-            "with i = floor(u) and f = u - i on each axis, a + (b - a)*f between the values a of \
-             node i and b of node i + 1, along x, then y, then z; node indices are clamped to 0 \
-             ... nodes - 1",
+            "with i = floor(u) and f = u - i on each axis, a + (b - a)*f between the values a of node i and b of \
+             node i + 1, along x, then y, then z; node indices are clamped to 0 ... nodes - 1",
         ),
     }
 }
@@ -155,11 +154,10 @@ const CONTINUOUS: &str = "t0 and t1 are where the ray enters and leaves the box,
     inside; a ray that misses the box sees the background. The image is an integral, see compositing; \
     a renderer that samples it begins with this step, and shortens it";
 
-pub(super) const SAMPLING: &str = "t0 and t1 are where the ray enters and leaves the box, t0 = 0 if the eye \
-    is inside; a ray that misses the box sees the background. n = ceil((t1 - t0)/step); sample i \
-    = 0 ... n - 1 lies at t = t0 + (i + 1/2)*step and stands for the length h = step. The last \
-    step is as long as what is left: h = (t1 - t0) - (n - 1)*step, its sample in its middle at \
-    t = t0 + (n - 1)*step + h/2";
+pub(super) const SAMPLING: &str = "t0 and t1 are where the ray enters and leaves the box, t0 = 0 if the eye is \
+    inside; a ray that misses the box sees the background. n = ceil((t1 - t0)/step); sample i = 0 ... n - 1 lies at \
+    t = t0 + (i + 1/2)*step and stands for the length h = step. The last step is as long as what is left: h = (t1 - \
+    t0) - (n - 1)*step, its sample in its middle at t = t0 + (n - 1)*step + h/2";
 
 fn transfer(transfer_function: &TransferFunction) -> Entries {
     let mut entries = vec![(
@@ -175,26 +173,22 @@ fn transfer(transfer_function: &TransferFunction) -> Entries {
             if let Some(range) = range {
                 entries.extend(entries! { "range": *range, "density": DENSITY });
             }
-            let formula = "at density d a step of length h has the opacity \
-                           a = 1 - T(d)^(h/reference_length), where \
-                           T(d) = min(1, max(0, (exp(-d^2) - floor)/(1 - floor))) is the \
-                           transparency of one reference_length";
+            let formula = "at density d a step of length h has the opacity a = 1 - T(d)^(h/reference_length), where \
+                           T(d) = min(1, max(0, (exp(-d^2) - floor)/(1 - floor))) is the transparency of one \
+                           reference_length";
             let colours: Vec<_> = colormap.stops().iter().map(DVec3::to_array).collect();
-            let colour = "linear RGB, in straight lines between the m colours, which are evenly \
-                          spaced from d = 0 to d = 1: with s = min(d, 1)*(m - 1) and k = floor(s), \
-                          colour(d) = colours[k] + (colours[k+1] - colours[k])*(s - k); from d = 1 \
-                          on, and for m = 1, the last";
+            let colour = "linear RGB, in straight lines between the m colours, which are evenly spaced from d = 0 to \
+                          d = 1: with s = min(d, 1)*(m - 1) and k = floor(s), colour(d) = colours[k] + (colours[k+1] \
+                          - colours[k])*(s - k); from d = 1 on, and for m = 1, the last";
             entries.extend(entries! {
                 "kind": "formula", "floor": opacity.floor, "opacity": formula, "colours": colours,
                 "colour": colour,
             });
         }
         Appearance::Points(table) => {
-            let opacity = "at value d a step of length h has the opacity \
-                           a = 1 - (1 - a0(d))^(h/reference_length); a0(d) goes in straight lines \
-                           between the opacities of the points and is constant beyond the \
-                           outermost. If two points have one value, the later holds at the value \
-                           itself";
+            let opacity = "at value d a step of length h has the opacity a = 1 - (1 - a0(d))^(h/reference_length); \
+                           a0(d) goes in straight lines between the opacities of the points and is constant beyond \
+                           the outermost. If two points have one value, the later holds at the value itself";
             let colour = "linear RGB, colour(d), in straight lines between the colours of the \
                           points, in the same way";
             entries.extend(entries! {
@@ -214,12 +208,10 @@ const GRADIENT: &str = "stored at the nodes, by central differences: along each 
     the component 0. Between the nodes the three components are interpolated like the values";
 
 pub(super) fn shading(phong: Phong) -> Entries {
-    let formula = "with n = -gradient/|gradient|, l = normalise(light.position - p), \
-                   v = -direction and r = 2*(n.l)*n - l: where n.l > 0, \
-                   shade(c) = c*(ambient + diffuse*(n.l)) \
-                   + (1, 1, 1)*specular*max(r.v, 0)^shininess; elsewhere \
-                   shade(c) = c*ambient. Where the gradient is exactly zero there is no \
-                   normal, and shade(c) = c";
+    let formula = "with n = -gradient/|gradient|, l = normalise(light.position - p), v = -direction and r = \
+                   2*(n.l)*n - l: where n.l > 0, shade(c) = c*(ambient + diffuse*(n.l)) + (1, 1, \
+                   1)*specular*max(r.v, 0)^shininess; elsewhere shade(c) = c*ambient. Where the gradient is exactly \
+                   zero there is no normal, and shade(c) = c";
     entries! {
         "ambient": phong.ambient, "diffuse": phong.diffuse, "specular": phong.specular,
         "shininess": phong.shininess, "formula": formula,
@@ -263,7 +255,7 @@ pub(super) fn radiance(scene: &Classified) -> String {
 }
 
 fn compositing(scene: &Classified) -> Json {
-    if scene.is_continuous() {
+    if scene.continuous {
         return method(
             "continuous",
             "with the extinction s(d) = -ln(1 - a0(d))/reference_length, where a0 is the opacity of \

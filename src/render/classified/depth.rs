@@ -140,7 +140,7 @@ fn passed(panel: &Panel) -> Result<(&Classified, Passed<'_>), String> {
                 Layer::of_surfaces(caster.passed_along(surfaces, ray))
             }))
         }
-        _ if volume.is_continuous() => Passed::Integral(Box::new(RayIntegrator::new(volume))),
+        _ if volume.continuous => Passed::Integral(Box::new(RayIntegrator::new(volume))),
         _ => {
             let caster = Caster::unlit(volume);
             Passed::Layers(Box::new(move |ray| {

@@ -111,7 +111,7 @@ impl<'s> Contents<'s> {
             let why = Reason::of(TRANSFER_FUNCTION, self.transparency(), key_lines);
             return (Kernel::Background(scene), Method::Background, why);
         }
-        if scene.is_continuous() {
+        if scene.continuous {
             let reason = "the integral itself is asked for, without samples";
             let why = Reason::of(COMPOSITING, reason, key_lines);
             return (Kernel::Integral(scene), Method::Quadrature, why);

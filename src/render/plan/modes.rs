@@ -2,7 +2,6 @@
 
 use super::classified::*;
 use super::decision::{findings, stated};
-use super::several::idle_clips;
 use super::{Decisions, Effect, EffectFinding, Kernel, Method, Plan, Reason};
 use crate::scene::{
     Classified, Isosurface, Isosurfaces, KeyLines, Mode, Panel, Projected, Projection, Window,
@@ -33,9 +32,7 @@ pub(super) fn plan<'s>(panel: &'s Panel, scene: &'s Classified, forced: &[Effect
     };
     let why = Reason::of(key, reason, key_lines);
     Plan {
-        warnings: (warnings(scene, &decisions, key_lines).into_iter())
-            .chain(idle_clips(scene, key_lines))
-            .collect(),
+        warnings: warnings(scene, &decisions, key_lines),
         ..Plan::of(panel, decisions, kernel, method, why)
     }
 }

@@ -8,17 +8,16 @@ use super::classified::{
 };
 use super::decision::findings;
 use super::{Decisions, Effect, EffectFinding, Kernel, Method, Plan, Reason};
-use crate::scene::{Classified, KeyLines, Panel};
+use crate::scene::{Classified, Panel};
 
 const SURFACE: &str = "classified.surface";
-const CLIP: &str = "classified.clip";
 
 /// The plan for a scene with [objects](crate::scene::Objects).
 pub(super) fn plan<'s>(panel: &'s Panel, scene: &'s Classified, forced: &[Effect]) -> Plan<'s> {
     let key_lines = &panel.key_lines;
     let decisions = Decisions::new(|effect| finding(scene, effect), forced, key_lines);
     let objects = scene.counted_objects();
-    let (kernel, method, reason) = if scene.is_continuous() {
+    let (kernel, method, reason) = if scene.continuous {
         let kernel = Kernel::Integral(scene);
         (
             kernel,
@@ -42,20 +41,9 @@ pub(super) fn plan<'s>(panel: &'s Panel, scene: &'s Classified, forced: &[Effect
     };
     let why = Reason::of(VOLUME, format!("{objects} {reason}"), key_lines);
     Plan {
-        warnings: without_effect(scene, key_lines)
-            .into_iter()
-            .chain(idle_clips(scene, key_lines))
-            .collect(),
+        warnings: without_effect(scene, key_lines).into_iter().collect(),
         ..Plan::of(panel, decisions, kernel, method, why)
     }
-}
-
-/// Warnings of clips that keep all of what they are for.
-pub(super) fn idle_clips(scene: &Classified, key_lines: &KeyLines) -> impl Iterator<Item = Reason> {
-    scene.clips_that_cut_nothing().map(|number| {
-        let message = "this clip cuts nothing: all of its volumes is on the side that it keeps";
-        Reason::of(format!("{CLIP}[{number}]"), message, key_lines)
-    })
 }
 
 fn finding(scene: &Classified, effect: Effect) -> EffectFinding {

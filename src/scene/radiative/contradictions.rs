@@ -1,9 +1,10 @@
 //! Checks across keys: valid parts that cannot be rendered together.
 
 use super::media::DEEPEST_TRACKED;
+use super::shapes::FARTHEST;
 use super::{Body, Object, Radiative, Scattering};
-use crate::geometry::{Aabb, Emitter, Luminous, Shape, Surface, length_of};
-use crate::optics::{Light, Material};
+use crate::geometry::{Emitter, Luminous, Shape, Surface, length_of};
+use crate::optics::{Coefficients, Field, Light, Material};
 use crate::scene::SceneResult;
 use crate::scene::reader::Reader;
 use glam::DVec3;
@@ -22,8 +23,8 @@ const BOUND_IT: &str = "give the medium a boundary: a `sphere`, `box` or closed 
 impl<'d, 's> Contradictions<'_, 'd, 's> {
     /// Refuses scenes whose light is infinite, never arrives, or cannot be found.
     pub(super) fn check(&self) -> SceneResult<()> {
-        self.check_light_that_diverges()?;
-        self.check_light_that_never_arrives()?;
+        self.check_far_away()?;
+        self.check_places()?;
         self.check_collisions_without_end()?;
         self.check_lights_in_surfaces()?;
         self.check_light_that_no_path_meets()
@@ -37,104 +38,104 @@ impl<'d, 's> Contradictions<'_, 'd, 's> {
         self.lights.iter().zip(&self.scene.lights)
     }
 
-    /// Media without boundary, where they are all that there is far away: they add up.
-    fn unbounded(&self) -> impl Iterator<Item = (&Reader<'d, 's>, &Body)> {
-        self.media().filter(|(_, body)| body.boundary.is_none())
-    }
-
-    fn far_away(&self, quantity: impl Fn(&Body) -> DVec3) -> DVec3 {
-        self.unbounded().map(|(_, body)| quantity(body)).sum()
-    }
-
-    fn check_light_that_diverges(&self) -> SceneResult<()> {
-        let sigma_a = self.far_away(|body| body.medium.coefficients.sigma_a());
-        let sigma_t = self.far_away(|body| body.medium.coefficients.sigma_t());
-        for (reader, body) in self.unbounded() {
+    /// Far away there are media without boundary alone, where they add up: light must neither grow without end there, nor
+    /// come from there.
+    fn check_far_away(&self) -> SceneResult<()> {
+        let media = self.media().filter(|(_, body)| body.boundary.is_none());
+        let unbounded: Vec<_> = media.collect();
+        let coefficients = unbounded.iter().map(|(_, body)| &body.medium.coefficients);
+        let sigma_a: DVec3 = coefficients.clone().map(Coefficients::sigma_a).sum();
+        let sigma_t: DVec3 = coefficients.map(Coefficients::sigma_t).sum();
+        let help = format!(
+            "{BOUND_IT}; or give it some absorption in every channel that it emits or scatters in, or limit \
+             `radiative.max_bounces`"
+        );
+        for (reader, body) in unbounded {
             let emits = body.medium.emission.cmpgt(DVec3::ZERO);
             if (emits & sigma_t.cmpeq(DVec3::ZERO)).any() {
-                return Err(reader.mistake(
-                    "emission",
-                    "a medium that fills all space and emits without absorbing is infinitely bright",
-                    format!("{BOUND_IT}; or give it absorption in every channel that it emits in"),
-                ));
+                let message = "a medium that fills all space and emits without absorbing is infinitely bright";
+                return Err(reader.mistake("emission", message, help));
             }
             let scatters = body.medium.coefficients.sigma_s().cmpgt(DVec3::ZERO);
             let for_ever = (scatters & sigma_a.cmpeq(DVec3::ZERO)).any();
             if for_ever && self.scene.scattering == Scattering::Multiple(None) {
-                return Err(reader.mistake(
-                    reader.first_of(&["albedo"]).unwrap_or("sigma_s"),
-                    "a medium that fills all space and scatters without absorbing scatters \
-                     light for ever",
-                    format!(
-                        "{BOUND_IT}; or give it some absorption in every channel that it \
-                         scatters in; or limit `radiative.max_bounces`"
-                    ),
-                ));
+                let key = reader.first_of(&["albedo"]).unwrap_or("sigma_s");
+                let message = "a medium that fills all space and scatters without absorbing scatters light for ever";
+                return Err(reader.mistake(key, message, help));
             }
         }
-        Ok(())
-    }
-
-    fn check_light_that_never_arrives(&self) -> SceneResult<()> {
-        let sigma_t = self.far_away(|body| body.medium.coefficients.sigma_t());
         if sigma_t == DVec3::ZERO {
             return Ok(());
         }
+        let is_far =
+            |light: &Light| matches!(light, Light::Directional(it) if it.irradiance != DVec3::ZERO);
+        let far = self.lights().find(|(_, light)| is_far(light));
+        let far = far.map(|(reader, _)| (reader, "directional"));
+        let sky = (self.reader, "environment");
+        let far = far.or((self.scene.environment != DVec3::ZERO).then_some(sky));
+        let Some((reader, key)) = far else {
+            return Ok(());
+        };
+        let message = format!(
+            "a medium fills all space, and no light arrives from infinitely far away, as of `{key}`"
+        );
         let help = format!(
             "{BOUND_IT}; or light the scene from within, by emitting surfaces, points or spots"
         );
-        if self.scene.environment != DVec3::ZERO {
-            let message = "`environment` is infinitely far away, and a medium fills all space: \
-            none of its light arrives";
-            return Err(self.reader.mistake("environment", message, help));
-        }
-        for (reader, light) in self.lights() {
-            if matches!(light, Light::Directional(light) if light.irradiance != DVec3::ZERO) {
-                let message = "a directional light is infinitely far away, and a medium fills all \
-                space: none of its light arrives";
-                return Err(reader.mistake("directional", message, help));
-            }
-        }
-        Ok(())
+        Err(reader.mistake(key, message, help))
     }
 
-    /// In a heterogeneous medium light is tracked from one tentative collision to the next, of the
-    /// density of the densest channel of all media that overlap there. Collisions in a homogeneous medium are never
-    /// null in a channel as dense as that; in its other channels they are.
+    /// Refuses what stands too far away: squares of distances would leave the range of numbers.
+    fn check_places(&self) -> SceneResult<()> {
+        let farthest = |place: DVec3| place.abs().max_element();
+        let camera = &self.scene.camera;
+        let height = camera.orthographic_height().unwrap_or(0.0);
+        let lights = self.scene.lights.iter().filter_map(Light::position);
+        let densities = self.scene.media.iter().filter_map(|it| it.density.as_ref());
+        let blobs = densities.map(|density| match density.field() {
+            Field::Blob(blob) => farthest(blob.centre).max(blob.width),
+            _ => 0.0,
+        });
+        let farthest = lights.map(farthest).chain(blobs);
+        let farthest = farthest.fold(height.max(camera.eye().abs().max_element()), f64::max);
+        if farthest <= FARTHEST {
+            return Ok(());
+        }
+        let message = format!(
+            "the camera, a light or a Gaussian ball is at coordinates of {farthest:.3e}: light is traced up to {FARTHEST:e}"
+        );
+        Err(self
+            .reader
+            .mistake_here(message, "choose another unit of length"))
+    }
+
+    /// In a medium that varies, light is tracked by tentative collisions, as dense as the densest channel of all media
+    /// there: in the other channels they are null.
     fn check_collisions_without_end(&self) -> SceneResult<()> {
-        let bounds = |body: &Body| body.boundary.as_ref().map(Surface::bounds);
+        let across = |body: &Body| {
+            let boundary = body.boundary.as_ref();
+            boundary.map_or(f64::INFINITY, |it| length_of(it.bounds().size()))
+        };
         let varying = self
             .scene
             .media
             .iter()
             .filter(|it| it.homogeneous().is_none());
-        for space in varying.filter_map(bounds) {
-            for (reader, other) in self.media() {
-                let Some(medium) = other.homogeneous() else {
-                    continue;
-                };
-                let shared = bounds(other).map_or(space, |bounds| Aabb {
-                    min: space.min.max(bounds.min),
-                    max: space.max.min(bounds.max),
-                });
-                if shared.min.cmpgt(shared.max).any() {
-                    continue;
-                }
-                let sigma_t = medium.coefficients.sigma_t();
-                let spread = sigma_t.max_element() - sigma_t.min_element();
-                let depth = spread * length_of(shared.size());
-                if depth > DEEPEST_TRACKED {
-                    let keys = ["sigma_t", "sigma_a", "sigma_s"];
-                    let key = reader.first_of(&keys);
-                    let message = format!(
-                        "channels of this medium differ by up to {depth:.4e} optical depths \
-                         within another whose density varies: light is traced through at most \
-                         {DEEPEST_TRACKED:.4e}"
-                    );
-                    let help = "give coefficients that differ less between the channels, or \
-                                move the media apart";
-                    return Err(reader.mistake(key.unwrap_or("sigma_a"), message, help));
-                }
+        let widest = varying.map(across).fold(0.0, f64::max);
+        for (reader, body) in self
+            .media()
+            .filter(|(_, body)| body.homogeneous().is_some())
+        {
+            let sigma_t = body.medium.coefficients.sigma_t();
+            let spread = sigma_t.max_element() - sigma_t.min_element();
+            let depth = spread * across(body).min(widest);
+            if depth > DEEPEST_TRACKED {
+                let message = format!(
+                    "channels of this medium differ by up to {depth:.4e} optical depths, beside another whose density \
+                     varies: light is traced through at most {DEEPEST_TRACKED:.4e}"
+                );
+                let help = "give coefficients that differ less between the channels";
+                return Err(reader.mistake_here(message, help));
             }
         }
         Ok(())
@@ -153,12 +154,8 @@ impl<'d, 's> Contradictions<'_, 'd, 's> {
         for (reader, light) in self.lights() {
             let inside = |position| rectangles().any(|rectangle| rectangle.holds(position));
             if light.position().is_some_and(inside) {
-                let key = match light {
-                    Light::Spot(_) => "spot",
-                    _ => "point",
-                };
                 let message = "the light stands exactly in a rectangle, on neither side of it";
-                return Err(reader.mistake(key, message, help.to_owned()));
+                return Err(reader.mistake_here(message, help));
             }
         }
         // Nine places tell whether two rectangles in a plane overlap, but for slivers.
@@ -173,9 +170,9 @@ impl<'d, 's> Contradictions<'_, 'd, 's> {
                 within && lamp.normal().cosine_to(wall.normal()).abs() == 1.0
             });
             if flush {
-                let message = "an emitting rectangle lies exactly in another surface: either hides \
-                               the other";
-                return Err(self.reader.mistake("surface", message, help.to_owned()));
+                let message =
+                    "an emitting rectangle lies exactly in another surface: either hides the other";
+                return Err(self.reader.mistake("surface", message, help));
             }
         }
         Ok(())
@@ -185,29 +182,17 @@ impl<'d, 's> Contradictions<'_, 'd, 's> {
         if !matches!(self.scene.scattering, Scattering::Multiple(_)) {
             return Ok(());
         }
-        let named = |object: &Object| match object.material {
-            Material::Diffuse(_) => None,
-            Material::Mirror(_) => Some("mirror"),
-            Material::Glass(_) => Some("glass"),
-        };
-        let (Some((reader, light)), Some(material)) = (
-            self.lights().next(),
-            self.scene.objects.iter().find_map(named),
-        ) else {
+        let mirrors = |object: &Object| !matches!(object.material, Material::Diffuse(_));
+        let Some((reader, _)) = self
+            .lights()
+            .next()
+            .filter(|_| self.scene.objects.iter().any(mirrors))
+        else {
             return Ok(());
         };
-        let (key, instead) = match light {
-            Light::Point(_) => ("point", "a small emitting sphere"),
-            Light::Spot(_) => ("spot", "a small emitting sphere or rectangle"),
-            Light::Directional(_) => ("directional", "a far emitting sphere or the environment"),
-        };
-        let message = format!(
-            "camera paths cannot sample light from a {key} light that arrives by way of a \
-             {material} surface"
-        );
-        let help = format!(
-            "use {instead} in place of the light, or a diffuse surface in place of the {material}"
-        );
-        Err(reader.mistake(key, message, help))
+        let message = "camera paths cannot sample light from a point, spot or directional light that arrives by way of a \
+                       mirror or glass";
+        let help = "use a small or far emitting surface, or the environment, in place of the light; or a diffuse surface";
+        Err(reader.mistake_here(message, help))
     }
 }

@@ -1,6 +1,5 @@
 //! Densities of heterogeneous media, as scenes give them.
 
-use super::shapes::FARTHEST;
 use crate::optics::Field;
 use crate::scene::SceneResult;
 use crate::scene::files::Files;
@@ -49,11 +48,11 @@ record! {
 }
 
 record! {
-    struct Linear in "A density that is linear in space where that is positive, else 0." {
-        density: f64 = or("1.0") Number(Range::at_least(f64::MIN)),
+    impl LinearRamp in "A density that is linear in space where that is positive, else 0." {
+        density = or("1.0") Number(Range::at_least(f64::MIN)),
             "Density at the origin given; it may be negative there.";
-        origin: DVec3 = or("[0.0, 0.0, 0.0]") Vector, "Point that has this density, world units.";
-        gradient: DVec3 = required Vector, "Change of the density per world unit along x, y, z.";
+        origin = or("[0.0, 0.0, 0.0]") Vector, "Point that has this density, world units.";
+        gradient = required Vector, "Change of the density per world unit along x, y, z.";
     }
 }
 
@@ -74,7 +73,7 @@ pub(super) const DENSITIES: [Key; 7] = [
     Key::optional("noise", Kind::Table(&FractalParameters::TABLE)).doc("Density: fractal noise."),
     Key::optional("exponential", Kind::Table(&Exponential::TABLE))
         .doc("Density: a layer that thins with height, as air does."),
-    Key::optional("linear", Kind::Table(&Linear::TABLE)).doc("Density: a linear ramp."),
+    Key::optional("linear", Kind::Table(&LinearRamp::TABLE)).doc("Density: a linear ramp."),
     Key::optional("blob", Kind::Table(&Blob::TABLE)).doc("Density: a Gaussian ball."),
     Key::optional("procedural", Kind::Table(&PROCEDURAL))
         .doc("Density and coefficients: a procedural medium in XML."),
@@ -98,11 +97,10 @@ pub(super) fn procedural(
     let Some(source) = reader.table("procedural")? else {
         return Ok(None);
     };
-    if let Some((path, text)) = source.text_in_place("text")? {
-        return read_procedural(&path, &text).map(Some);
-    }
-    let name: String = source.get("file")?;
-    let (path, text) = files.text(&source, &name)?;
+    let (path, text) = match source.text_in_place("text")? {
+        Some(inline) => inline,
+        None => files.text(&source, &source.get::<String>("file")?)?,
+    };
     read_procedural(&path, &text).map(Some)
 }
 
@@ -128,31 +126,9 @@ pub(super) fn field(reader: &Reader, files: &mut Files) -> SceneResult<Option<Fi
         let layer = ExponentialLayer::new(layer.density, layer.base, layer.up, layer.scale_height);
         return Ok(Some(Field::Exponential(table.accepted(layer)?)));
     }
-    if let Some(table) = reader.table("linear")? {
-        let ramp = Linear::read(&table)?;
-        let ramp = LinearRamp::new(ramp.density, ramp.origin, ramp.gradient);
-        return Ok(Some(Field::Linear(table.accepted(ramp)?)));
+    if let Some(ramp) = reader.table_as("linear", LinearRamp::read)? {
+        return Ok(Some(Field::Linear(ramp)));
     }
-    let blob = reader.table_as("blob", read_blob)?;
+    let blob = reader.table_as("blob", Blob::read)?;
     Ok(blob.map(Field::Blob))
-}
-
-/// A ball, no farther away and no wider than shapes may be: its distance along a line is a
-/// quotient of squares.
-fn read_blob(reader: &Reader) -> SceneResult<Blob> {
-    let blob = Blob::read(reader)?;
-    let beyond = [
-        ("centre", blob.centre.abs().max_element()),
-        ("width", blob.width),
-    ];
-    match beyond.into_iter().find(|(_, length)| *length > FARTHEST) {
-        None => Ok(blob),
-        Some((key, length)) => {
-            let message = format!(
-                "the ball's {key} of {length:.3e} is too large: lengths and coordinates up to \
-                 {FARTHEST:e} are accepted"
-            );
-            Err(reader.mistake(key, message, "choose another unit of length"))
-        }
-    }
 }

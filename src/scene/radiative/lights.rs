@@ -1,7 +1,5 @@
 //! Point, spot and directional lights.
 
-use super::check_radiance;
-use super::shapes::FARTHEST;
 use crate::geometry::Direction;
 use crate::optics::{Directional, Light, Point, Spot};
 use crate::scene::SceneResult;
@@ -58,13 +56,10 @@ record! {
 /// Reads one `[[radiative.light]]`.
 pub(super) fn read(reader: &Reader) -> SceneResult<Light> {
     if let Some(table) = reader.table("point")? {
-        let point = Point::read(&table)?;
-        check(&table, point.position, "intensity", point.intensity)?;
-        return Ok(Light::Point(point));
+        return Ok(Light::Point(Point::read(&table)?));
     }
     if let Some(table) = reader.table("spot")? {
         let spot = SpotTable::read(&table)?;
-        check(&table, spot.position, "intensity", spot.intensity)?;
         let (axis, angles) = (
             spot.target - spot.position,
             [spot.inner_angle, spot.outer_angle],
@@ -78,23 +73,8 @@ pub(super) fn read(reader: &Reader) -> SceneResult<Light> {
         let message = "the direction of the light is the zero vector";
         table.error("direction", message)
     })?;
-    check(&table, DVec3::ZERO, "irradiance", read.irradiance)?;
     Ok(Light::Directional(Directional {
         direction,
         irradiance: read.irradiance,
     }))
-}
-
-/// Refuses a light that is too far away, or brighter than an image can hold.
-fn check(reader: &Reader, position: DVec3, key: &str, brightness: DVec3) -> SceneResult<()> {
-    if position.abs().max_element() <= FARTHEST {
-        return check_radiance(reader, key, brightness);
-    }
-    let message = format!(
-        "the light is at {:?}, too far away to trace its light: coordinates up \
-         to {FARTHEST:e} are accepted",
-        position.to_array()
-    );
-    let help = "choose another unit of length; for a light infinitely far away use `directional`";
-    Err(reader.mistake("position", message, help))
 }

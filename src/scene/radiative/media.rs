@@ -1,6 +1,6 @@
 //! Media: what fills a shape, or all space.
 
-use super::{Body, LARGEST_RADIANCE, check_radiance, densities, phases, shape_transform, shapes};
+use super::{Body, densities, phases, shape_transform, shapes};
 use crate::geometry::{Surface, length_of};
 use crate::optics::{Asymmetry, Coefficients, Density, Field, Homogeneous, optical_depth};
 use crate::scene::SceneResult;
@@ -54,16 +54,7 @@ pub(super) fn read(reader: &Reader, files: &mut Files) -> SceneResult<Body> {
         space = shapes::space(reader, files, own)?;
     }
     let emission = reader.get("emission")?;
-    check_radiance(reader, "emission", emission)?;
     let phase = phases::read(reader, asymmetry)?;
-    if let Some(space) = &space
-        && varies.is_some()
-        && !(space.bounds.size().is_finite() && space.bounds.size().max_element().is_normal())
-    {
-        let message = "the shape is too large or too small to be divided into blocks";
-        let help = "choose another unit of length";
-        return Err(reader.mistake_here(message, help));
-    }
     let density = match (field, &space) {
         (None, _) => None,
         (Some(field), Some(space)) => Some(Density::new(field, space.bounds, space.to_world)),
@@ -89,7 +80,6 @@ pub(super) fn read(reader: &Reader, files: &mut Files) -> SceneResult<Body> {
         density,
     };
     check_depth(reader, &body)?;
-    check_brightness(reader, &body)?;
     Ok(body)
 }
 
@@ -127,28 +117,20 @@ fn check_depth(reader: &Reader, body: &Body) -> SceneResult<()> {
     let sigma_t = body.medium.coefficients.sigma_t().max_element();
     let column = range.high * across;
     let depth = optical_depth(sigma_t, column);
-    let refused = |message: String| {
-        let keys = ["sigma_t", "sigma_a", "sigma_s", "procedural"];
-        let key = reader.first_of(&keys);
-        let help = "give smaller coefficients, densities or lengths";
-        Err(reader.mistake(key.unwrap_or("sigma_a"), message, help))
-    };
-    if !(column.is_finite() && depth.is_finite()) {
-        return refused(format!(
-            "an extinction of {sigma_t:.4e} times a density of up to {:.4e} over a length of up \
-             to {across:.4e} is beyond the largest number",
-            range.high
-        ));
-    }
     let scatters = body.medium.coefficients.sigma_s() != DVec3::ZERO;
     let tracked = range.low < range.high && (scatters || !density.is_integrable());
-    if tracked && depth > DEEPEST_TRACKED {
-        return refused(format!(
-            "the medium is up to {depth:.4e} optical depths thick, and its density varies: light \
-            is traced through at most {DEEPEST_TRACKED:.4e}"
-        ));
+    let most = if tracked { DEEPEST_TRACKED } else { f64::MAX };
+    if column.is_finite() && depth <= most {
+        return Ok(());
     }
-    Ok(())
+    let key = reader.first_of(&["sigma_t", "sigma_a", "sigma_s", "procedural"]);
+    let message = format!(
+        "the medium is up to {depth:.4e} optical depths thick, with a density of up to {:.4e} over a length of up to \
+         {across:.4e}: light is traced through at most {most:.4e}",
+        range.high
+    );
+    let help = "give smaller coefficients, densities or lengths";
+    Err(reader.mistake(key.unwrap_or("sigma_a"), message, help))
 }
 
 fn coefficients(reader: &Reader) -> SceneResult<Coefficients> {
@@ -166,30 +148,4 @@ fn coefficients(reader: &Reader) -> SceneResult<Coefficients> {
         let help = "give smaller coefficients, or choose another unit of length";
         reader.mistake(key, message, help)
     })
-}
-
-/// Refuses a medium whose own light may be more than an image holds: along a straight path it is
-/// at most the emission times the path, and at most the emission over the extinction.
-fn check_brightness(reader: &Reader, body: &Body) -> SceneResult<()> {
-    let across = body.boundary.as_ref().map_or(f64::INFINITY, |boundary| {
-        length_of(boundary.bounds().size())
-    });
-    let (emission, sigma_t) = (body.medium.emission, body.medium.coefficients.sigma_t());
-    let density = body.density.as_ref();
-    let most = density.map_or(1.0, |density| density.range().high);
-    let brightest = (0..3)
-        .filter(|&channel| emission[channel] > 0.0)
-        .map(|channel| emission[channel] * (most * across).min(1.0 / sigma_t[channel]))
-        // A medium without end and extinction has an infinite radiance, another mistake.
-        .filter(|radiance| radiance.is_finite() || across.is_finite())
-        .fold(0.0, f64::max);
-    if brightest <= LARGEST_RADIANCE {
-        return Ok(());
-    }
-    let message = format!(
-        "the medium emits up to {brightest:.3e} towards the eye; an image holds at most \
-         {LARGEST_RADIANCE:.3e}"
-    );
-    let help = "give a smaller emission or a smaller shape";
-    Err(reader.mistake("emission", message, help))
 }

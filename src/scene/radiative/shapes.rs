@@ -2,8 +2,7 @@
 
 use super::shape_transform::{self, ShapeTransform};
 use crate::geometry::{
-    Aabb, Boundary, Emitter, Luminous, Mesh, ObjFault, Placed, Rectangle, Shape, Sphere, Surface,
-    Transform, length_of,
+    Aabb, Boundary, Luminous, Mesh, Placed, Rectangle, Shape, Sphere, Surface, Transform, length_of,
 };
 use crate::scene::files::Files;
 use crate::scene::format::{Key, Kind, Range, Rule, Table};
@@ -11,6 +10,7 @@ use crate::scene::reader::Reader;
 use crate::scene::record::Record;
 use crate::scene::{SceneError, SceneResult};
 use glam::DVec3;
+use std::fmt::Display;
 use std::sync::Arc;
 
 record! {
@@ -110,30 +110,21 @@ pub(in crate::scene) fn shape(
 ) -> SceneResult<Shape> {
     let (key, form) = base_shape(reader, files, solid)?;
     let transform = ShapeTransform::read(reader)?;
-    if let Shape::Box(cuboid) = &form {
-        let flat = cuboid.size().cmpeq(DVec3::ZERO).bitmask().count_ones();
-        refuse! { reader:
-            "box" if flat > 1, "the box is a line or a point: no ray can meet it",
-                "give `max` larger coordinates than `min` on two axes or all three";
-        }
-        if solid && flat == 1 {
-            return Err(flat_box(reader, "glass"));
-        }
+    if let Shape::Box(cuboid) = &form
+        && solid
+        && cuboid.size().cmpeq(DVec3::ZERO).any()
+    {
+        return Err(flat_box(reader, "glass"));
     }
-    let before = form.bounds();
     let shape = match (form, transform.to_world) {
         (form, None) => form,
         (Shape::Rectangle(rectangle), Some(map)) => {
-            Shape::Rectangle(moved(reader, &rectangle, &map)?)
+            Shape::Rectangle(moved(reader, key, rectangle.transformed(&map))?)
         }
         (Shape::Sphere(sphere), Some(map)) => Shape::PlacedSphere(Placed::new(sphere, map)),
         (Shape::Box(cuboid), Some(map)) => Shape::PlacedBox(Placed::new(cuboid, map)),
         (Shape::Mesh(mesh), Some(map)) => Shape::PlacedMesh(Placed::new(mesh, map)),
         _ => unreachable!("not placed yet"),
-    };
-    let shape = match transform.to_world {
-        Some(_) if key != "rectangle" => placed(reader, key, &before, shape)?,
-        _ => shape,
     };
     check_size(reader, key, &shape.bounds())?;
     Ok(shape)
@@ -158,7 +149,7 @@ pub(super) fn luminous(reader: &Reader, files: &mut Files) -> SceneResult<Lumino
         }
         (Shape::Rectangle(rectangle), None) => Luminous::Rectangle(rectangle),
         (Shape::Rectangle(rectangle), Some(to_world)) => {
-            Luminous::Rectangle(moved(reader, &rectangle, to_world)?)
+            Luminous::Rectangle(moved(reader, key, rectangle.transformed(to_world))?)
         }
         (Shape::Box(cuboid), transform) => {
             if cuboid.size().cmpeq(DVec3::ZERO).any() {
@@ -168,22 +159,17 @@ pub(super) fn luminous(reader: &Reader, files: &mut Files) -> SceneResult<Lumino
                 Some(to_world) => mesh.transformed(to_world),
                 None => Ok(mesh),
             });
-            Luminous::Mesh(Arc::new(in_the_world(reader, key, mesh)?))
+            Luminous::Mesh(Arc::new(moved(reader, key, mesh)?))
         }
         (Shape::Mesh(mesh), None) => Luminous::Mesh(mesh),
         (Shape::Mesh(mesh), Some(to_world)) => {
             let mesh = mesh.transformed(to_world);
-            Luminous::Mesh(Arc::new(in_the_world(reader, key, mesh)?))
+            Luminous::Mesh(Arc::new(moved(reader, key, mesh)?))
         }
         _ => unreachable!("not placed yet"),
     };
-    let area = shape.area();
-    if area > 0.0 && area.is_finite() {
-        check_size(reader, key, &shape.bounds())?;
-        return Ok(shape);
-    }
-    let message = format!("the area of this light is {area}, beyond the range of numbers");
-    Err(reader.mistake(key, message, "choose other units of length"))
+    check_size(reader, key, &shape.bounds())?;
+    Ok(shape)
 }
 
 /// The space that a medium fills.
@@ -229,8 +215,9 @@ pub(super) fn space(
     let key = key.expect("its shape, or its grid");
     let boundary = match &to_world {
         None => own_place,
-        Some(to_world) => placed(reader, key, &bounds, own_place.moved(to_world))?,
+        Some(to_world) => own_place.moved(to_world),
     };
+    check_size(reader, key, &bounds)?;
     check_size(reader, key, &boundary.bounds())?;
     Ok(Some(MediumSpace {
         boundary,
@@ -265,29 +252,7 @@ fn flat_box(reader: &Reader, what: &str) -> Box<SceneError> {
     reader.mistake("box", message, help)
 }
 
-/// `moved`, if there is still something of the shape, whose bounds were `before`, where it went.
-fn placed<S: Surface>(reader: &Reader, key: &str, before: &Aabb, moved: S) -> SceneResult<S> {
-    let flat_axes = |size: DVec3| size.cmple(DVec3::ZERO).bitmask().count_ones();
-    let bounds = moved.bounds();
-    let finite = bounds.min.is_finite() && bounds.max.is_finite() && bounds.size().is_finite();
-    if finite && flat_axes(bounds.size()) <= flat_axes(before.size()) {
-        return Ok(moved);
-    }
-    let message = format!(
-        "after its transform, the {key} is too far from the origin for its size: rounding would distort it"
-    );
-    let help = "scale it less, or move the scene nearer to the origin";
-    Err(reader.mistake(key, message, help))
-}
-
-fn moved(reader: &Reader, rectangle: &Rectangle, to_world: &Transform) -> SceneResult<Rectangle> {
-    let moved = rectangle.transformed(to_world);
-    moved.map_err(|error| {
-        let message = format!("after its transform: {error}");
-        reader.error("rectangle", message)
-    })
-}
-
-fn in_the_world(reader: &Reader, key: &str, mesh: Result<Mesh, ObjFault>) -> SceneResult<Mesh> {
-    mesh.map_err(|error| reader.error(key, format!("after its transform: {error}")))
+/// What a transform made of the shape at `key`, or the mistake in it.
+fn moved<T>(reader: &Reader, key: &str, made: Result<T, impl Display>) -> SceneResult<T> {
+    made.map_err(|error| reader.error(key, format!("after its transform: {error}")))
 }

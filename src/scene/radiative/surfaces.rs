@@ -1,6 +1,6 @@
 //! Surfaces: a shape with a material.
 
-use super::{AreaLight, Object, Radiative, check_radiance, shapes};
+use super::{AreaLight, Object, Radiative, shapes};
 use crate::optics::{Material, Sides};
 use crate::scene::SceneResult;
 use crate::scene::files::Files;
@@ -61,7 +61,6 @@ pub(super) fn read(reader: &Reader, files: &mut Files, scene: &mut Radiative) ->
     if let Some(table) = reader.table("emitter")? {
         let shape = shapes::luminous(reader, files)?;
         let Emitter { radiance, sides } = Record::read(&table)?;
-        check_radiance(&table, "radiance", radiance)?;
         scene.area_lights.push(AreaLight {
             shape,
             radiance,

@@ -37,10 +37,9 @@ impl Reader<'_, '_> {
                 }
                 let last = self.last(&[left.as_slice(), &right].concat());
                 let (left, right) = (self.named(&left), self.named(&right));
-                let comma = ["", ","][usize::from(lefts.len() + rights.len() > 2)];
-                let [lefts, rights] = [lefts, rights].map(|keys| self.joined(keys));
+                let [lefts, rights] = [lefts, rights].map(|keys| self.named(keys));
                 let message = format!("{table} mixes {left} with {right}");
-                let help = format!("give either {lefts}{comma} or {rights}");
+                let help = format!("give either {lefts}, or {rights}");
                 Err(self.mistake(last.expect("two are given"), message, help))
             }
             Rule::Together(keys) => {
@@ -65,14 +64,6 @@ impl Reader<'_, '_> {
     fn named(&self, keys: &[&str]) -> String {
         let named = keys.iter().map(|key| self.named_key(key));
         named.collect::<Vec<_>>().join(", ")
-    }
-
-    /// `keys` of one alternative: two belong together, of more each may be given.
-    fn joined(&self, keys: &[&str]) -> String {
-        match keys {
-            [first, second] => format!("{} and {}", self.named_key(first), self.named_key(second)),
-            _ => self.named(keys),
-        }
     }
 
     fn named_key(&self, key: &str) -> String {

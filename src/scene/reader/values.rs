@@ -111,12 +111,9 @@ impl Value for DVec3 {
             (DeValue::Float(_) | DeValue::Integer(_), Kind::Colour(_)) => {
                 DVec3::splat(f64::read(reader, name, value)?)
             }
-            (DeValue::String(text), Kind::Colour(_)) => srgb(text).ok_or_else(|| {
-                let message = format!("`{name}` is {text:?}, which is no colour");
-                let help = "give sRGB as six hexadecimal digits, such as \"#3b528b\", or linear \
-                            numbers, such as [1, 0.5, 0]";
-                reader.mistake(name, message, help)
-            })?,
+            (DeValue::String(text), Kind::Colour(_)) => {
+                srgb(text).ok_or_else(|| reader.wrong_form(name))?
+            }
             (DeValue::Array(items), _) if items.len() != 3 => {
                 let message = format!("`{name}` must be three numbers, not {}", items.len());
                 return Err(reader.error(name, message));
@@ -127,12 +124,8 @@ impl Value for DVec3 {
         let Kind::Colour(range) = kind else {
             return Ok(vector);
         };
-        if let Some(channel) = vector.to_array().iter().find(|&&c| !range.contains(c)) {
-            let message = if *channel < 0.0 {
-                format!("`{name}` must not be negative, got {vector}")
-            } else {
-                format!("`{name}` must {range} in every channel, got {vector}")
-            };
+        if vector.to_array().iter().any(|&c| !range.contains(c)) {
+            let message = format!("`{name}` must {range} in every channel, got {vector}");
             return Err(reader.error(name, message));
         }
         // −0 is black as well, but another bit: as +0 an image is the same whatever is elided.

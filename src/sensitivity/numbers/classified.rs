@@ -82,7 +82,7 @@ pub(super) fn numbers(scene: &Classified) -> Vec<Number> {
         ));
     }
     // Samples of another step lie elsewhere: only what is an integral has no step.
-    if !scene.is_continuous() {
+    if !scene.continuous {
         numbers.push(of(
             "step",
             "distance between samples",

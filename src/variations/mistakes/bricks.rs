@@ -18,7 +18,7 @@ macro_rules! of_bricks {
         concat!("brick-borders-clamped-", $edge) => Classified(|scene| clamped(scene, $edge)),
             concat!("the volume is stored in bricks of ", $edge, " nodes, and values are not interpolated across their borders: a brick needs the first layer of the next");
         concat!("samples-counted-from-bricks-of-", $edge) => Classified(|scene| {
-            makes(scene, !scene.is_continuous() && has_borders(scene, $edge), Fault::StepsFromBricks($edge))
+            makes(scene, !scene.continuous && has_borders(scene, $edge), Fault::StepsFromBricks($edge))
         }),
             concat!("samples are counted anew from the face of each brick of ", $edge, " cells: they lie at whole steps from where the ray enters the volume, whatever it is stored in");
         )+
@@ -61,7 +61,7 @@ fn by_layers(
 }
 
 fn clamped(scene: &mut Classified, edge: u32) -> bool {
-    let occurs = !scene.is_continuous()
+    let occurs = !scene.continuous
         && scene.interpolation == Interpolation::Trilinear
         && has_borders(scene, edge as usize);
     makes(scene, occurs, Fault::BricksWithoutNeighbours(edge))

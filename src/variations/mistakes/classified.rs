@@ -22,17 +22,17 @@ pub(super) const MISTAKES: &[Mistake] = mistakes! {
         referred(scene, |reference, _| reference * f64::EPSILON * f64::EPSILON)
     }),
         "all that is not transparent is opaque, as though opacities were stated over no length: the unit distance is not 0";
-    "colours-added" => Classified(|scene| makes(scene, !scene.is_continuous(), Fault::ColoursAdded)),
+    "colours-added" => Classified(|scene| makes(scene, !scene.continuous, Fault::ColoursAdded)),
         "the colours of samples are added, whatever lies before them: each is multiplied by the transmittance of the samples in front of it";
     "rays-end-too-soon" => Classified(|scene| {
         let edges = scene.extent().edges().map(length_of);
         let steps = edges.into_iter().fold(0.0, f64::max) / scene.step;
-        let occurs = !scene.is_continuous() && (0.5..1e7).contains(&steps);
+        let occurs = !scene.continuous && (0.5..1e7).contains(&steps);
         makes(scene, occurs, Fault::MostSteps(steps.round() as u32))
     }),
         "rays end after as many steps as the longest edge of the volume takes: a diagonal takes up to 1.7 times as many";
     "samples-behind-the-eye" => Classified(|scene| {
-        makes(scene, !scene.is_continuous() && eye_is_inside(scene), Fault::BeginsBehindEye)
+        makes(scene, !scene.continuous && eye_is_inside(scene), Fault::BeginsBehindEye)
     }),
         "with the eye inside the volume rays begin behind it, where their line enters the box: they begin at the eye, at t = 0";
     "transparency-not-normalised" => Opacity(|opacity| set(&mut opacity.floor, 0.0)),
@@ -45,7 +45,7 @@ pub(super) const MISTAKES: &[Mistake] = mistakes! {
         "samples are interpolated where the nearest node is asked for";
     "step-doubled" => Classified(|scene| {
         scene.step *= 2.0;
-        !scene.is_continuous()
+        !scene.continuous
     }),
         "samples are twice as far apart as the scene says";
     "shading-left-out" => Classified(|scene| scene.phong.take().is_some()),
@@ -69,11 +69,11 @@ pub(super) const MISTAKES: &[Mistake] = mistakes! {
     }),
         "the normal follows the view: differences for the gradient are taken along each axis over a spacing of the grid, not over the components of the ray's step";
     "transmittance-before-the-sum" => Classified(|scene| {
-        !scene.is_continuous() && set(&mut scene.conventions.own_transmittance, true)
+        !scene.continuous && set(&mut scene.conventions.own_transmittance, true)
     }),
         "the transmittance is updated before the colour of a sample is added: a sample is seen through those before it, not through itself";
     "samples-premultiplied-twice" => Classified(|scene| {
-        !scene.is_continuous() && set(&mut scene.conventions.own_opacity, true)
+        !scene.continuous && set(&mut scene.conventions.own_opacity, true)
     }),
         "the colour of each sample is multiplied by its opacity twice: do so in the table or in the loop, not in both";
     "light-at-the-eye" => Classified(|scene| {
@@ -95,9 +95,9 @@ pub(super) const MISTAKES: &[Mistake] = mistakes! {
         shadowed(scene, |shadow| set(&mut shadow.reference_step, shadow.step))
     }),
         "shadows depend on the step: the sum towards the light counts densities times step over reference step";
-    "lookups-half-voxel-on" => Classified(|scene| makes(scene, !scene.is_continuous(), Fault::LookedUpOn)),
+    "lookups-half-voxel-on" => Classified(|scene| makes(scene, !scene.continuous, Fault::LookedUpOn)),
         "values are looked up half a voxel beside the sample, towards larger coordinates, in a box that is in its place: texture coordinates are (u + 1/2)/n for node coordinates u, once";
-    "lookups-half-voxel-back" => Classified(|scene| makes(scene, !scene.is_continuous(), Fault::LookedUpBack)),
+    "lookups-half-voxel-back" => Classified(|scene| makes(scene, !scene.continuous, Fault::LookedUpBack)),
         "values are looked up half a voxel beside the sample, towards smaller coordinates, in a box that is in its place: texture coordinates are (u + 1/2)/n for node coordinates u, not u/n";
     "transform-ignored" => Classified(|scene| scene.to_world.take().is_some()),
         "the volume stands where its grid would be without a map: apply the transform of the scene, after that of the file";
@@ -116,7 +116,7 @@ pub(super) const MISTAKES: &[Mistake] = mistakes! {
         "normals stay as they are in the volume while it turns: gradients go to the world by the transpose of the inverse matrix";
     "step-in-volume-space" => Classified(|scene| {
         scene.conventions.nominal_opacity = true;
-        scene.to_world.is_some() && !scene.is_continuous()
+        scene.to_world.is_some() && !scene.continuous
             && set(&mut scene.conventions.step_length, StepLength::Volume)
     }),
         "steps are measured in the volume's own coordinates: distances along a ray, and with them opacities, are those of the world, whatever the map does to them";

@@ -3,7 +3,7 @@
 use super::NrrdHeader;
 use super::geometry;
 use crate::volume::error::VolumeFault;
-use crate::volume::header_field::{HeaderField, HeaderFields, in_line, shortened};
+use crate::volume::header_field::{HeaderField, HeaderFields, in_line, missing};
 use crate::volume::{Element, Encoding, Endian, Layout};
 
 /// As Teem: more axes than anybody uses.
@@ -62,15 +62,12 @@ fn is_listed(list: &str, word: &str) -> bool {
 
 /// Adds the field of a line of a header.
 pub(super) fn take(fields: &mut HeaderFields, text: &str, line: usize) -> Result<(), VolumeFault> {
-    let fault = |message: String| in_line(line, &message);
+    let fault = |message: &str| in_line(line, message);
     if text.starts_with('#') {
         return Ok(());
     }
     let (name, value) = text.split_once(':').ok_or_else(|| {
-        let text = shortened(text);
-        fault(format!(
-            "a line of the header is `field: value`, `key:=value` or `# comment`, not {text:?}"
-        ))
+        fault("a line of the header is `field: value`, `key:=value` or `# comment`")
     })?;
     if value.starts_with('=') {
         return Ok(());
@@ -83,8 +80,7 @@ pub(super) fn take(fields: &mut HeaderFields, text: &str, line: usize) -> Result
     let usual = spelling.map_or(&*name, |(_, usual)| usual);
     let known = READ.split(", ").find(|field| *field == usual);
     let field = known.ok_or_else(|| {
-        let name = shortened(&name);
-        fault(format!(
+        fault(&format!(
             "{name:?} is not a field of the format: correct it, or put `#` before it"
         ))
     })?;
@@ -98,16 +94,9 @@ pub(super) fn take(fields: &mut HeaderFields, text: &str, line: usize) -> Result
     fields.add(field, value, line)
 }
 
-fn required<'f>(
-    fields: &'f HeaderFields,
-    name: &'static str,
-) -> Result<HeaderField<'f>, VolumeFault> {
-    fields.get(name).ok_or_else(|| missing(name))
-}
-
 /// The header that its fields state.
 pub(super) fn header(fields: &HeaderFields) -> Result<NrrdHeader, VolumeFault> {
-    let dimension = required(fields, "dimension")?;
+    let dimension = fields.required("dimension")?;
     let expected = "the number of axes, from 1 to 16";
     let dimension = dimension.number(expected, |&n: &usize| (1..=MOST_AXES).contains(&n))?;
     let element = element(fields)?;
@@ -119,12 +108,10 @@ pub(super) fn header(fields: &HeaderFields) -> Result<NrrdHeader, VolumeFault> {
             "big" => Endian::Big,
             _ => return Err(field.wrong("little or big")),
         },
-        None if element.bytes() > 1 && encoding != Encoding::Text => {
-            return Err(missing("endian"));
-        }
-        None => Endian::Little,
+        None if element.bytes() == 1 || encoding == Encoding::Text => Endian::Little,
+        None => return Err(missing("endian")),
     };
-    let sizes = required(fields, "sizes")?;
+    let sizes = fields.required("sizes")?;
     let expected = "positive whole numbers";
     let sizes: Vec<u64> = sizes.each(dimension, |text| {
         let size = text.parse().ok().filter(|&size| size > 0);
@@ -154,7 +141,7 @@ pub(super) fn header(fields: &HeaderFields) -> Result<NrrdHeader, VolumeFault> {
 }
 
 fn element(fields: &HeaderFields) -> Result<Element, VolumeFault> {
-    let field = required(fields, "type")?;
+    let field = fields.required("type")?;
     let words: Vec<&str> = field.value.split_ascii_whitespace().collect();
     let written = words.join(" ").to_ascii_lowercase();
     let mut types = TYPES.iter();
@@ -166,26 +153,11 @@ fn element(fields: &HeaderFields) -> Result<Element, VolumeFault> {
 }
 
 fn encoding(fields: &HeaderFields) -> Result<Encoding, VolumeFault> {
-    let field = required(fields, "encoding")?;
+    let field = fields.required("encoding")?;
     match field.value.to_ascii_lowercase().as_str() {
         "raw" => Ok(Encoding::Raw),
         "gzip" | "gz" => Ok(Encoding::Gzip),
         "txt" | "text" | "ascii" => Ok(Encoding::Text),
-        _ => Err(field.fault(&format!(
-            "the encoding is {:?}, and raw, gzip and text are read: write the file again as one",
-            shortened(field.value)
-        ))),
+        _ => Err(field.wrong("raw, gzip or text: write the file again as one")),
     }
-}
-
-/// The error of a field that must be there.
-fn missing(name: &str) -> VolumeFault {
-    let example = match name {
-        "dimension" => "`dimension: 3`, the number of axes",
-        "type" => "`type: float`, or the type of the samples",
-        "sizes" => "`sizes: `, and the number of samples along each axis, the fastest first",
-        "encoding" => "`encoding: raw`, or gzip or text",
-        _ => "`endian: little`, or big if the most significant byte comes first",
-    };
-    format!("the header has no field `{name}`: add {example}").into()
 }
