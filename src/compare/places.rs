@@ -10,7 +10,6 @@
 use super::stochastic::BLOCK;
 use crate::film::{CHANNELS, Film};
 use crate::math::Sum;
-use std::ops::Range;
 
 /// Parts of the image for the jackknife, each of blocks from all over it.
 const PARTS: usize = 20;
@@ -39,20 +38,9 @@ const PART_OF_IMAGE: f64 = 0.5;
 /// Share of the squared difference that is left out of such a box, at each of its four sides.
 const OUTSIDE: f64 = 0.01;
 
-/// Fewest values of a channel that end at the same number, if they are said to be cut off there.
-const CUT_OFF: usize = 16;
-
-/// Share of the values that should be above that number, and end there.
-const MOST_CUT_OFF: f64 = 0.9;
-
-/// Ratio of the golden's largest and smallest of these values: those of a lamp that is only darker are
-/// all the same.
-const APART: f64 = 1.02;
-
 /// Sentences, without a full stop, on where `test` differs from `golden`, and how; none where nothing can be measured:
-/// other sizes, values that are no numbers, or no difference beyond noise. `border` are pixels at the silhouette of a
-/// volume's box.
-pub fn measured(golden: &Film, test: &Film, border: Option<&[bool]>) -> Vec<String> {
+/// other sizes, values that are no numbers, or no difference beyond noise.
+pub fn measured(golden: &Film, test: &Film) -> Vec<String> {
     let differences = golden
         .is_comparable(test)
         .then(|| Differences::new(golden, test))
@@ -65,7 +53,7 @@ pub fn measured(golden: &Film, test: &Film, border: Option<&[bool]>) -> Vec<Stri
     if shares.whole <= 0.0 || has_noise && shares.whole <= SIGNIFICANT * shares.error {
         return Vec::new();
     }
-    let mut said = Vec::from_iter(cut_off(&differences));
+    let mut said = Vec::new();
     let channel = |c: usize| shares.channel(c).is_at_least(IN_ONE_CHANNEL);
     said.extend((0..3).find(|&c| channel(c)).map(|c| {
         let share = percent(shares.channel(c).value);
@@ -79,7 +67,7 @@ pub fn measured(golden: &Film, test: &Film, border: Option<&[bool]>) -> Vec<Stri
             .then(|| gain(&differences, shares.whole))
             .flatten(),
     );
-    said.extend(places(&differences, &shares, border));
+    said.extend(places(&differences, &shares));
     // Noise of single lines would decide where the box ends.
     said.extend(in_a_box(
         &differences,
@@ -274,50 +262,6 @@ fn is_clearly_more(share: f64, due: f64) -> bool {
     share >= WORTH_SAYING && odds(share.min(1.0)) >= ODDS * odds(due)
 }
 
-/// Values that end at one number, which nearly all that should be above it have, whatever they should be.
-/// A lamp, of one value in the golden, shows nothing of that: it may be darker as a whole.
-fn cut_off(differences: &Differences<'_>) -> Option<String> {
-    let test = differences.test.radiance();
-    let most = test.as_flattened().iter().copied().fold(0.0, f32::max);
-    let (mut cut, mut above, mut is_spread) = (0, 0, false);
-    for c in 0..3 {
-        let is_above = |&(i, value): &(usize, f64)| {
-            let beyond = value - 1.001 * f64::from(most);
-            beyond > SIGNIFICANT * differences.variance(i, c).sqrt()
-        };
-        let values = (0..test.len()).map(|i| (i, differences.value(i, c)));
-        let values = values
-            .filter(is_above)
-            .map(|(i, value)| (value, test[i][c] == most));
-        let mut values: Vec<(f64, bool)> = values.collect();
-        values.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let lamp = longest_run(&values);
-        let others = values[..lamp.start].iter().chain(&values[lamp.end..]);
-        let ends: Vec<f64> = others.clone().filter(|it| it.1).map(|it| it.0).collect();
-        above += others.count();
-        cut += ends.len();
-        is_spread |= ends.len() >= CUT_OFF && ends[ends.len() - 1] >= APART * ends[0];
-    }
-    let is_cut = most > 0.0 && is_spread && cut as f64 >= MOST_CUT_OFF * above as f64;
-    is_cut.then(|| {
-        format!("no value is above {most}, where at least {cut} values should be: they look cut off there")
-    })
-}
-
-/// The longest run of equal values, to a thousandth, in values in order.
-fn longest_run(values: &[(f64, bool)]) -> Range<usize> {
-    let (mut longest, mut start) = (0..0, 0);
-    for end in 1..=values.len() {
-        while values[end - 1].0 > 1.001 * values[start].0 {
-            start += 1;
-        }
-        if end - start > longest.len() {
-            longest = start..end;
-        }
-    }
-    longest
-}
-
 /// The factors on the channels of the golden that lead nearest to the test image, if they leave clearly less.
 fn gain(differences: &Differences<'_>, whole: f64) -> Option<String> {
     let (mut factors, mut gained) = ([1.0; 3], 0.0);
@@ -345,10 +289,9 @@ fn gain(differences: &Differences<'_>, whole: f64) -> Option<String> {
 }
 
 /// Sentences on the places that hold clearly more than their share.
-fn places(differences: &Differences<'_>, shares: &Shares, border: Option<&[bool]>) -> Vec<String> {
+fn places(differences: &Differences<'_>, shares: &Shares) -> Vec<String> {
     let golden = differences.golden;
     let count = golden.radiance().len();
-    let is_at_border = |i: usize| border.is_some_and(|border| border[i]);
     let lit: Vec<usize> = (0..count).filter(|&i| differences.is_lit(i)).collect();
     let mut steepness: Vec<f64> = lit.iter().map(|&i| differences.steepness(i)).collect();
     steepness.sort_by(f64::total_cmp);
@@ -357,7 +300,7 @@ fn places(differences: &Differences<'_>, shares: &Shares, border: Option<&[bool]
     let noise = golden.noise().filter(|noise| !noise.is_known());
     let is_silent = |i: usize| noise.is_some_and(|noise| noise.variance()[i] == [0.0; 3]);
     let is_steep = |i: usize| differences.steepness(i) > steep;
-    let places: [(&str, &dyn Fn(usize) -> bool); 3] = [
+    let places: [(&str, &dyn Fn(usize) -> bool); 2] = [
         (
             "at edges: in the fifth of the lit pixels where the golden is steepest",
             &is_steep,
@@ -366,19 +309,11 @@ fn places(differences: &Differences<'_>, shares: &Shares, border: Option<&[bool]
             "in pixels without noise, such as a lamp or a sky that is seen",
             &is_silent,
         ),
-        (
-            "at the border of the volume, the silhouette of its box ({due})",
-            &is_at_border,
-        ),
     ];
-    let shown = (0..count).filter(|&i| differences.is_lit(i) || is_at_border(i));
-    let shown: Vec<usize> = shown.collect();
     let said = places.into_iter().filter_map(|(place, is)| {
-        let due = shown.iter().filter(|&&i| is(i)).count() as f64 / shown.len().max(1) as f64;
+        let due = lit.iter().filter(|&&i| is(i)).count() as f64 / lit.len().max(1) as f64;
         let share = shares.pixels(differences, is);
         (is_clearly_more(share.value, due) && share.is_at_least(due)).then(|| {
-            let due = format!("{} of the pixels that show anything", percent(due));
-            let place = place.replace("{due}", &due);
             format!(
                 "{} of the squared relative difference lies {place}",
                 percent(share.value)

@@ -40,6 +40,6 @@ pub(crate) use self_test::{
     self_test_steps,
 };
 pub use validate::validate;
-pub(crate) use validate::{add_right_declaration, validate_at};
+pub(crate) use validate::validate_at;
 pub use verify::verify;
 pub(crate) use verify::{show_unjudged, without_case};

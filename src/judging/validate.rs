@@ -3,9 +3,9 @@
 use super::decide::cases_at;
 use super::depth::{self, DepthComparison};
 use super::finding::{CheckedGolden, MOST_CASES};
-use super::measured::{SimpleMap, codes_in_words, is_of_png, simple};
+use super::measured::{codes_in_words, gain, is_of_png};
 use super::nothing_drawn::nothing_drawn;
-use super::precision::{before_background, known, known_radiance, other_readings};
+use super::precision::{known, known_radiance, other_readings};
 use super::{CaseResult, Cause, Evidence, Judged, Verdict, random_samples, refinement};
 use crate::compare::depth::OUTLIERS_OF_DEPTH;
 use crate::compare::{
@@ -13,7 +13,7 @@ use crate::compare::{
     stochastic::is_off_by_noise,
 };
 use crate::conventions::Profile;
-use crate::film::{Alpha, Film};
+use crate::film::Film;
 use crate::scene::Model;
 use crate::suite::{Case, Output, Store};
 use std::time::Instant;
@@ -67,36 +67,6 @@ pub(crate) fn validate_at(
     };
     judged.result.seconds = start.elapsed().as_secs_f64();
     judged
-}
-
-/// Says of `judged`, an image of which colours are declared to be `alpha`, how they have to be declared to agree, if it is
-/// otherwise: `output` is the image as it came.
-pub(crate) fn add_right_declaration(
-    judged: &mut Judged,
-    (output, alpha): (Output, Alpha),
-    case: &Case,
-    store: &Store,
-    profile: Option<&Profile>,
-) {
-    if judged.result.verdict != Verdict::Fail {
-        return;
-    }
-    let others = [None, Some(Alpha::Premultiplied), Some(Alpha::Straight)];
-    let mut others = others.into_iter().filter(|other| *other != Some(alpha));
-    let agrees = |other: &Option<Alpha>| {
-        let output = before_background(output.clone(), *other, case);
-        validate(case, store, output, profile).result.verdict == Verdict::Pass
-    };
-    let Some(right) = others.find(agrees) else {
-        return;
-    };
-    let result = &mut judged.result;
-    let otherwise = match right {
-        None => "without --alpha: its colours contain the background".to_owned(),
-        Some(right) => format!("where its colours are declared with --alpha {right}"),
-    };
-    result.reason = format!("the image agrees {otherwise}; {}", result.reason);
-    result.cause_is_said = true;
 }
 
 /// The verdict on a case without an image to judge: a fault of its golden or scene first, since that
@@ -222,8 +192,10 @@ fn with_what_is_asked(
         return finding;
     }
     let mut reason = format!("the image agrees; {}", found.in_words(film.width()));
-    if let Some(cause) = depth::cause(&compared, asked, (&right, depth)) {
+    if let Some(cause) = depth::cause(&compared, asked, depth) {
         reason.push_str(&format!("; it is {cause}"));
+    } else {
+        reason.push_str("; write distances from the eye, in world units");
     }
     CaseResult {
         metrics: finding.metrics,
@@ -347,13 +319,12 @@ fn with_words(
         let mut readings =
             other_readings(case, (&checked.golden.film, &checked.scene), picture).into_iter();
         let right = readings.find(|reading| agrees(case, checked, &reading.film));
-        // A map of values would be the reading, measured.
-        let map = simple(case, &checked.golden.film, picture).filter(|_| right.is_none());
+        // A factor would be the reading, measured.
+        let gain = gain(case, &checked.golden.film, picture).filter(|_| right.is_none());
         // In a file made for a display a plain factor means another exposure first.
-        let is_exposure = |map: &SimpleMap| map.is_gain && is_of_png(picture);
-        finding.cause_is_said = right.is_some() || map.as_ref().is_some_and(is_exposure);
+        finding.cause_is_said = right.is_some() || gain.is_some() && is_of_png(picture);
         let mut said = Vec::from_iter(codes_in_words(picture));
-        said.extend(map.map(|map| map.words));
+        said.extend(gain);
         let nothing = nothing_drawn(case, &checked.scene, &checked.golden.film, picture);
         if let Some(nothing) = nothing.filter(|_| right.is_none()) {
             // No number of the scene is measured by what is not there, and nothing is searched.

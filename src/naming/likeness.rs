@@ -16,7 +16,6 @@ mod fit;
 mod hypothesis;
 mod predictions;
 mod predictor;
-mod silhouette;
 
 pub(super) use clock::SearchClock;
 pub use clock::{Search, SearchStep, Stage};
@@ -181,8 +180,8 @@ pub fn likeness(
         result.change_agrees = fit.agrees;
         if result.looks_like.is_empty() {
             result.difference = measured(failed, fit, close.get(&failed.index));
-            // A simple map that explains all is in the verdict.
-            if failed.simple.is_none() || !result.difference.is_empty() {
+            // A gain that explains all is in the verdict.
+            if !failed.is_gain || !result.difference.is_empty() {
                 unexplained.push(result.clone());
             }
         } else if fit.agrees {
@@ -265,7 +264,7 @@ impl Diagnosis {
         }
         self.close
             .extend(found.close.map(|(_, words)| (failed.index, words)));
-        let goes_on = failed.is_decidable() && failed.simple.is_none() && !failed.is_of_opacity;
+        let goes_on = failed.is_decidable() && !failed.is_gain && !failed.is_of_opacity;
         if !is_explained && goes_on && !is_a_number && !clock.is_late() {
             return Some(clock);
         }
@@ -291,7 +290,7 @@ pub(super) fn is_plainly_explained(case: &Case, judged: &Judged, search: &Search
     let failed = ComparedCase::new(0, case, judged, &scenes);
     failed.is_some_and(|failed| {
         let clock = SearchClock::start(search, &failed.name, failed.spent);
-        failed.is_gain() || !failed.search(&clock).explaining.is_empty()
+        failed.is_gain || !failed.search(&clock).explaining.is_empty()
     })
 }
 

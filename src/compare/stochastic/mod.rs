@@ -17,13 +17,10 @@
 //!   to a rounding. If all a samples of one are x and all b of the other y ≠ x, that had a
 //!   probability of `p^a · (1 − p)^b` at most, which is largest at p = a/(a + b).
 //! - *Black pixels*: a mean of samples that are not negative is 0 only if all are, which by Cantelli's
-//!   inequality has a small probability where light is steady, and by its neighbours where their samples are
-//!   seldom 0 (see the file `hits.rs`). This finds a NaN that was replaced by
-//!   0, of 64 samples even a single one. Where the test image does not count its samples, whole rows and columns
-//!   are asked about (see the file `black_lines.rs`). It has one share together with the pixels without noise. A
+//!   inequality has a small probability where light is steady. This finds a NaN that was replaced by
+//!   0, of 64 samples even a single one. It has one share together with the pixels without noise. A
 //!   single pixel that is too bright is another matter: noise makes those.
-//! - *Copies*: more than half of the pixels that have noise are the same bit for bit as in the reference, or
-//!   as those of the row or column before. Both have one share.
+//! - *Copies*: more than half of the pixels that have noise are the same bit for bit as in the reference.
 //! - *The amount of noise*: the squares of the differences should sum to the variances, block by
 //!   block (chi-square). Half as much is suspicious too: as if the images shared random numbers,
 //!   or one had been smoothed. Too much is looked for from 64 samples a pixel on.
@@ -116,11 +113,9 @@
 //! Such images need more samples, not a wider gate.
 
 mod amount;
-mod black_lines;
 mod blocks;
 mod comparison;
 mod cut_off;
-mod hits;
 mod map;
 mod neighbours;
 mod numbers;
@@ -148,14 +143,12 @@ use super::significance::{deviation, holm, two_sided, two_sided_estimated};
 use crate::film::{CHANNELS, Film};
 use crate::math;
 use amount::judge_amount;
-use black_lines::judge_black_lines;
 use blocks::{Block, Channel};
 use comparison::Comparison;
 use cut_off::WithinCodes;
-use hits::Hits;
 use neighbours::judge_neighbours;
 use numbers::judge_numbers;
-use pixels::{PixelDifferences, judge_black, judge_one_variance, judge_repeated};
+use pixels::{PixelDifferences, judge_black, judge_one_variance};
 use resolution::Limits;
 use scales::judge_scales;
 
@@ -292,16 +285,13 @@ fn judgement(
     let numbers = judge_numbers(comparison, sensitivities, level, &mut metrics);
     faults.extend(numbers.fault);
     let pixels = PixelDifferences::new(comparison);
-    let hits = Hits::of(comparison.films);
     if let [Some(a), Some(b)] = comparison.numbers() {
         faults.extend(pixels.judge_far(level, &mut metrics));
         faults.extend(pixels.judge_contrary([a, b], level, &mut metrics));
-        faults.extend(judge_black(comparison, &hits, level, &mut metrics));
+        faults.extend(judge_black(comparison, level, &mut metrics));
     }
-    faults.extend(judge_black_lines(comparison, level));
     faults.extend(judge_one_variance(comparison));
     let copied = pixels.judge_copied(level, &mut metrics);
-    let copied = judge_repeated(comparison, &hits, 0.5 * level).or(copied);
     // A copy has too little noise, which goes without saying.
     let amount = judge_amount(comparison, level, &mut metrics).filter(|_| copied.is_none());
     faults.extend(copied);

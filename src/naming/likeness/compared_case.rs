@@ -3,7 +3,6 @@
 use super::clock::{SearchClock, Stage};
 use super::hypothesis::{Explaining, Hypothesis};
 use super::predictor::{Look, Predictor, pixels_of};
-use super::silhouette::silhouette;
 use crate::compare::coarse::Coarse;
 use crate::compare::deterministic::in_tolerances;
 use crate::compare::unexplained::{
@@ -12,7 +11,7 @@ use crate::compare::unexplained::{
 use crate::compare::{Conditions, Gate, NumberChange, Picture, default_gate, judge, measured};
 use crate::film::{Film, Quantisation};
 use crate::judging::Judged;
-use crate::judging::measured::{SimpleMap, simple};
+use crate::judging::measured::gain;
 use crate::judging::nothing_drawn::background;
 use crate::math;
 use crate::scene::Scene;
@@ -83,8 +82,9 @@ pub(super) struct ComparedCase {
     pub index: usize,
     /// Name of the case.
     pub name: String,
-    /// The simple map of values from the golden to the image, which the verdict states already.
-    pub simple: Option<SimpleMap>,
+    /// The image is the golden times a factor, as far as the gate can tell, which the verdict states: then it shows no
+    /// curve of values.
+    pub is_gain: bool,
     /// The colours are right, and opacity is not.
     pub is_of_opacity: bool,
     /// Work that the search for its conventions took, in events of kernels.
@@ -154,7 +154,7 @@ impl ComparedCase {
         let mut case = ComparedCase {
             index,
             name: case.name.clone(),
-            simple: (picture.radiance()).and_then(|_| simple(case, &golden, &picture)),
+            is_gain: picture.radiance().is_some() && gain(case, &golden, &picture).is_some(),
             is_of_opacity: gate == Gate::Deterministic && has_right_colours(&golden, &picture),
             spent: judged.evidence.work_of_search,
             is_sampled,
@@ -187,21 +187,14 @@ impl ComparedCase {
         !self.is_sampled || !self.few.golden.agrees(&self.few.test)
     }
 
-    /// True if the image is the golden times a factor, as far as the gate can tell: then it shows
-    /// no curve of values.
-    pub fn is_gain(&self) -> bool {
-        self.simple.as_ref().is_some_and(|map| map.is_gain)
-    }
-
     /// Places of the difference as sentences; none where the verdict says how the image
     /// follows from the golden.
     pub fn measured_difference(&self) -> Vec<String> {
         let test = self.picture.radiance();
-        let Some(test) = test.filter(|_| self.simple.is_none() && !self.is_of_opacity) else {
+        let Some(test) = test.filter(|_| !self.is_gain && !self.is_of_opacity) else {
             return Vec::new();
         };
-        let border = silhouette(self.scene());
-        measured(&self.kept.film(&self.golden), test, border.as_deref())
+        measured(&self.kept.film(&self.golden), test)
     }
 
     /// `film`, a prediction of the whole image or in a look, in the pixels of `view`.
@@ -337,7 +330,7 @@ impl ComparedCase {
     /// Mistakes that may explain the image.
     fn suspected(&self) -> Vec<Hypothesis> {
         Hypothesis::singles(|mistake| {
-            mistake.is_of_opacity() == self.is_of_opacity && !(self.is_gain() && mistake.is_curve())
+            mistake.is_of_opacity() == self.is_of_opacity && !(self.is_gain && mistake.is_curve())
         })
     }
 
