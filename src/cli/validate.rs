@@ -15,8 +15,7 @@ use crate::cost::timing::Machine;
 use crate::files::regular_file::note_input;
 use crate::film::{Alpha, Bits, FilmFormat};
 use crate::judging::{
-    CaseResult, Judged, JudgedWith, MoreSamples, before_background,
-    declared, is_open, validate_at,
+    CaseResult, Judged, JudgedWith, MoreSamples, before_background, declared, is_open, validate_at,
 };
 use crate::renderers::{ImageSource, OtherRenderer, Rendered, in_order, stop_all};
 use crate::report;

@@ -40,15 +40,10 @@ impl DepthComparison<'_> {
         }
         depths
     }
-
 }
 
 /// The nature of `test`, a wrong depth in place of the one that is `asked` for, if it is another depth of the scene.
-pub(super) fn cause(
-    compared: &DepthComparison<'_>,
-    asked: Depth,
-    test: &[f32],
-) -> Option<String> {
+pub(super) fn cause(compared: &DepthComparison<'_>, asked: Depth, test: &[f32]) -> Option<String> {
     let others = Depth::ALL.into_iter().map(|(_, other)| other);
     let others = others.filter(|&other| other != asked).filter_map(|other| {
         let found = compared.of(&compared.right(other).ok()?, test);

@@ -267,7 +267,7 @@ fn codes_that_are_cut_or_not_divided_are_told() {
     let yes = true;
     is_told(&told(&|x| (255.0 * x).floor() / 255.0), [false, yes, yes]);
     is_told(&told(&|x| (255.0 * x).round()), [yes, false, yes]);
-    is_told(&told(&|x| (255.0 * x).floor()), [yes, yes, yes]);
+    is_told(&told(&|x| (255.0 * x).floor()), [yes, false, false]);
     // Half as bright, they are codes, and wrong.
     is_told(&told(&|x| (127.0 * x).round()), [yes, false, false]);
     // As dark as cut codes are at most, but rounded to the nearest.

@@ -110,8 +110,7 @@ impl PixelDifferences {
 const MOST_LOST: usize = 16;
 
 /// Causes of single black pixels.
-const CAUSES: &str =
-    "; possible causes are a NaN replaced by 0, or a pixel that was never written";
+const CAUSES: &str = "; possible causes are a NaN replaced by 0, or a pixel that was never written";
 
 /// Probability below which no digit of it means anything.
 const RARE: f64 = 1e-12;
@@ -194,9 +193,8 @@ fn chances_of_black(comparison: &Comparison<'_>) -> Option<Vec<(usize, f64)>> {
             let near = around(index, size, REACH).map(of_pixel);
             let variance = near.fold(known * samples[1], f64::max);
             // Nearly black values may be rounded to black.
-            (mean > DARK).then(|| {
-                math::exp(samples[1] * math::ln(variance / (variance + mean * mean)))
-            })
+            (mean > DARK)
+                .then(|| math::exp(samples[1] * math::ln(variance / (variance + mean * mean))))
         };
         // All channels have to be 0, which is no likelier than that one is.
         let bound = (0..3).filter_map(of_channel).fold(1.0, f64::min);

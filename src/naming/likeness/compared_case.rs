@@ -224,11 +224,11 @@ impl ComparedCase {
             || whole.at_least() > 0.0 && left.at_most() <= UNEXPLAINED_IN_NOISE * whole.value
     }
 
-    /// The scene with a change, rendered with few pixels from the random numbers of a `seed`.
-    pub fn few_of(&self, edited: &Scene, seed: u64, clock: &SearchClock<'_>) -> Option<Coarse> {
+    /// The scene with a change, rendered with few pixels.
+    pub fn few_of(&self, edited: &Scene, clock: &SearchClock<'_>) -> Option<Coarse> {
         let samples = self.predictor.looks[self.predictor.looks.len() / 2].1;
         let look = (self.predictor.few().0, samples);
-        let film = self.predictor.rendered(edited, look, seed, clock)?;
+        let film = self.predictor.rendered(edited, look, 0, clock)?;
         self.seen(&film, &self.few)
     }
 
@@ -264,18 +264,6 @@ impl ComparedCase {
         };
         let (gate, _) = default_gate(&film, &self.picture);
         judge(gate, &film, &self.picture, &conditions).is_ok_and(|judgement| judgement.passed)
-    }
-
-    /// True if the image with `hypothesis` passes for this one.
-    pub fn agrees_with(&self, hypothesis: &Hypothesis, clock: &SearchClock<'_>) -> Option<bool> {
-        let looks = &self.predictor.looks;
-        let film = self.predict(hypothesis, looks[looks.len() / 2], clock)?;
-        Some(if self.is_sampled {
-            self.seen(&film, &self.few)?.agrees(&self.few.test)
-        } else {
-            let left = self.few.left(&self.seen(&film, &self.few)?);
-            self.passes(&film, &left)
-        })
     }
 
     fn predict(
