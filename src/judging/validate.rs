@@ -48,9 +48,10 @@ pub(crate) fn validate_at(
     });
     let mut judged = match (output, checked) {
         (Output::Picture(picture), Ok(checked)) => validate_with(case, &checked, *picture),
-        (Output::Refined(images), Ok(checked)) if case.is_limit() => {
-            validate_refined(case, &checked, images)
-        }
+        (Output::Refined(mut images), Ok(checked)) if case.is_limit() => match &checked.profile {
+            None => validate_refined(case, &checked, images),
+            Some(_) => validate_with(case, &checked, images.swap_remove(0)),
+        },
         (Output::Refined(_), Ok(checked)) => {
             let reason = "there are images with several steps, and the scene of this case states its \
                           step: only cases of class limit are judged by several; keep one image";
@@ -118,7 +119,7 @@ pub(crate) fn validate_with(case: &Case, checked: &CheckedGolden, picture: Pictu
         checked,
         CaseResult { gate, ..finding },
         picture,
-        Vec::new(),
+        None,
     )
 }
 
@@ -128,7 +129,7 @@ fn with_evidence(
     checked: &CheckedGolden,
     mut finding: CaseResult,
     picture: Picture,
-    refined: Vec<Film>,
+    at_step: Option<Film>,
 ) -> Judged {
     let film = picture.radiance();
     let note = film.and_then(|film| precision_in_words(finding.gate, &finding.metrics, film));
@@ -138,7 +139,7 @@ fn with_evidence(
         result: finding.of_case(&case.name, case.class(), gate),
         evidence: Evidence {
             test: Some(picture),
-            refined,
+            at_step,
             ..evidence(case, checked)
         },
     }
@@ -206,24 +207,16 @@ fn with_what_is_asked(
     }
 }
 
-/// Judges images with the step of the scene of `case`, half of it, a quarter and so on: by the integral, or
-/// under a profile each by the right image with its step.
+/// Judges images with the step of the scene of `case`, half of it, a quarter and so on.
 fn validate_refined(case: &Case, checked: &CheckedGolden, images: Vec<Picture>) -> Judged {
     let images = images.into_iter();
     let images = images.map(|image| known_radiance(case, &checked.golden.film, image));
     let images: Vec<Film> = images.collect();
+    let judgement = refinement::judge(checked, &images);
     // Images that nobody sees, such as a limit by extrapolation, are evidence of nothing.
-    let (judgement, seen) = match checked.profile {
-        Some(_) => {
-            let conditions = checked.conditions(case);
-            let judgement = refinement::judge_under_profile(checked, &images, &conditions);
-            (judgement, images.first())
-        }
-        None => (refinement::judge(checked, &images), images.last()),
-    };
-    let seen = Picture::Radiance(seen.expect("three images or more").clone());
+    let seen = Picture::Radiance(images[images.len() - 1].clone());
     let finding = with_words(case, checked, judgement, &seen);
-    with_evidence(case, checked, finding, seen, images)
+    with_evidence(case, checked, finding, seen, images.into_iter().next())
 }
 
 /// The image that `picture` is compared with. The mean of samples is compared with the mean of their

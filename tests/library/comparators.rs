@@ -246,7 +246,7 @@ fn places_of_what_is_not_finite() {
     for (broken, places) in [
         (2, "(1, 0), (4, 0); the first"),
         (8, "(16, 0), (19, 0), (22, 0); the first"),
-        (9, "(16, 0), (19, 0), (22, 0), …; the first"),
+        (9, "(16, 0), (19, 0), (22, 0); the first"),
     ] {
         let pixels = edited(|i, pixel| {
             if i % 3 == 1 && i / 3 < broken {
