@@ -10,7 +10,7 @@ use crate::scene::{Panel, Precision, Sampling, Scene};
 use crate::suite::golden::{accept_advice, plan_hash, scene_hash, short};
 use crate::suite::rendering::check_class;
 use crate::suite::sensitivities;
-use crate::suite::{Case, CaseSampling, Golden, GoldenError, Quick, Store};
+use crate::suite::{Case, Golden, GoldenError, Quick, Store};
 use std::collections::BTreeMap;
 
 /// A result, and the images behind it.
@@ -254,33 +254,47 @@ fn stale(case: &Case, scene: &Scene, golden: &Golden) -> Option<String> {
             provenance.case
         ));
     }
-    let what;
-    let what = if provenance.scene != scene_hash(scene) {
-        "the scene has changed since the golden was accepted"
-    } else if provenance.plan != plan_hash(&plans(scene)) {
-        "the plan has changed since the golden was accepted: what is simulated, or by which kernel"
-    } else if provenance.truth.as_deref() != case.truth.map(|formula| formula.name) {
-        "the truth of the case has changed since the golden was accepted"
-    } else if is_stale_class(case, provenance.quick.as_ref()) {
-        "the class of the case has changed since the golden was accepted"
-    } else if let Some(sampling) = case.sampling
-        && let Some(quick) = &provenance.quick
-        && let Some(what) = stale_sampling(sampling, quick, golden)
-    {
-        what
-    } else if provenance.exposure != case.exposure {
-        "the exposure of the case has changed since the golden was accepted"
-    } else if let Some(key) = changed_key(&provenance.judged_by, &case.judged_by) {
-        what = format!("the {key} of the case has changed since the golden was accepted");
-        &what
-    } else if size != (width, height) {
+    if size != (width, height) {
         return Some(format!(
             "the golden has {} × {} pixels, the scene asks for {width} × {height}; restore it \
              from version control",
             size.0, size.1
         ));
-    } else {
-        return None;
+    }
+    let quick = provenance.quick.as_ref();
+    let quick_samples = case.sampling.map(|sampling| sampling.quick);
+    let converged = case.sampling.and_then(|sampling| sampling.converged);
+    let converged_samples = converged.map(|converged| u64::from(converged.samples));
+    let resolution = converged.map_or(f64::INFINITY, |it| it.resolution);
+    let changes = [
+        (provenance.scene != scene_hash(scene), "scene"),
+        (provenance.plan != plan_hash(&plans(scene)), "plan"),
+        (
+            provenance.truth.as_deref() != case.truth.map(|it| it.name),
+            "truth of the case",
+        ),
+        (is_stale_class(case, quick), "class of the case"),
+        (
+            quick_samples.is_some_and(|samples| quick.is_some_and(|it| it.samples != samples)),
+            "number of quick_samples of the case",
+        ),
+        (
+            converged_samples.is_some_and(|samples| samples != provenance.samples),
+            "number of converged_samples of the case",
+        ),
+        (provenance.exposure != case.exposure, "exposure of the case"),
+    ];
+    let key = changed_key(&provenance.judged_by, &case.judged_by);
+    let changed = changes
+        .into_iter()
+        .find_map(|(is_changed, what)| is_changed.then_some(what));
+    let changed = changed.map(str::to_owned);
+    let what = match changed.or_else(|| Some(format!("{} of the case", key?))) {
+        Some(what) => format!("the {what} has changed since the golden was accepted"),
+        None if MARGIN * provenance.error_estimate > resolution => {
+            "the golden is too noisy for the resolution that the case requires now".to_owned()
+        }
+        None => return None,
     };
     Some(format!("stale: {what}; {}", accept_advice(case)))
 }
@@ -293,21 +307,6 @@ fn changed_key<'k>(
     let mut keys = recorded.keys().chain(now.keys());
     let changed = keys.find(|key| recorded.get(*key) != now.get(*key));
     changed.map(String::as_str)
-}
-
-fn stale_sampling(sampling: CaseSampling, quick: &Quick, golden: &Golden) -> Option<&'static str> {
-    let provenance = &golden.provenance;
-    if quick.samples != sampling.quick {
-        return Some("the quick_samples of the case have changed since the golden was accepted");
-    }
-    let converged = sampling.converged?;
-    if provenance.samples != u64::from(converged.samples) {
-        Some("the converged_samples of the case have changed since the golden was accepted")
-    } else if MARGIN * provenance.error_estimate > converged.resolution {
-        Some("the golden is too noisy for the resolution that the case requires now")
-    } else {
-        None
-    }
 }
 
 /// True if the renderings that the golden records are those of another class.

@@ -29,9 +29,7 @@ pub fn judge(checked: &CheckedGolden, images: &[Film]) -> Judgement {
     }
     let looked_up = looked_up(&checked.scene);
     let by_rules = || first_order(&checked.scene.with_halved_steps(rest.len()));
-    let finest = &images[rest.len()];
     judge_refinement(&checked.golden.film, &looked_up, &by_rules, images)
-        .with_precision_of(&checked.golden.film, finest)
         .with_changes_of(IMAGE, first)
 }
 

@@ -114,13 +114,7 @@ pub(crate) fn validate_with(case: &Case, checked: &CheckedGolden, picture: Pictu
     };
     let gate = finding.gate;
     let finding = with_what_is_asked(case, checked, &picture, finding);
-    with_evidence(
-        case,
-        checked,
-        CaseResult { gate, ..finding },
-        picture,
-        None,
-    )
+    with_evidence(case, checked, CaseResult { gate, ..finding }, picture, None)
 }
 
 /// The `finding` on `picture` as the result of `case`, with a note on what its precision hides.
@@ -211,7 +205,11 @@ fn with_what_is_asked(
 fn validate_refined(case: &Case, checked: &CheckedGolden, images: Vec<Picture>) -> Judged {
     let images = images.into_iter();
     let images = images.map(|image| known_radiance(case, &checked.golden.film, image));
-    let images: Vec<Film> = images.collect();
+    let mut images: Vec<Film> = images.collect();
+    // 8 bits hide what smaller steps change.
+    if images.iter().any(|image| image.quantisation().is_some()) {
+        return validate_with(case, checked, Picture::Radiance(images.swap_remove(0)));
+    }
     let judgement = refinement::judge(checked, &images);
     // Images that nobody sees, such as a limit by extrapolation, are evidence of nothing.
     let seen = Picture::Radiance(images[images.len() - 1].clone());

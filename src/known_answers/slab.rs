@@ -28,7 +28,7 @@
 
 use super::exponential_integral::{e1, e2};
 use super::formula::{AlongRay, Formula};
-use super::plane_layer::{Back, PlaneLayer};
+use super::plane_layer::PlaneLayer;
 use super::requirements::require;
 use crate::math;
 use crate::math::quadrature::{Integral, gauss_legendre};
@@ -203,11 +203,7 @@ fn of(scene: &Radiative) -> Result<AlongRay<'_>, String> {
         });
     }
     let sky = scene.environment;
-    let behind = match layer.back {
-        Back::Open => sky,
-        Back::Black => DVec3::ZERO,
-        Back::Luminous(radiance) => radiance,
-    };
+    let behind = layer.back.unwrap_or(sky);
     let emission = layer.emission;
     let error = error(tau.max_element());
     Ok(layer.along(LEAST_COSINE, move |mu| {

@@ -124,7 +124,6 @@ mod resolution;
 mod scales;
 mod scores;
 mod unstated;
-mod values;
 mod variance;
 
 pub use blocks::{BLOCK, DARK};
