@@ -110,8 +110,9 @@ pub(super) fn judge(reference: &Film, test: &Film, conditions: &Conditions<'_>) 
     let opacity = opacity::difference(reference, test, conditions.opacity, tolerance);
     let fault = (colours.of_pixels(allowed, outliers, cap))
         .or_else(|| colours.of_means())
-        .or_else(|| opacity.as_ref()?.of_pixels(reference, test, outliers, cap))
-        .or_else(|| opacity.as_ref()?.of_mean(tolerance_of_mean));
+        .or_else(|| {
+            (opacity.as_ref()?).in_words(reference.width(), outliers, cap, tolerance_of_mean)
+        });
     let mut metrics = colours.metrics();
     if let Some(found) = opacity {
         metrics.push((OUTLIERS_OF_OPACITY.0, found.pixels.outside as f64));
@@ -184,15 +185,10 @@ impl ColourDifference {
     fn of_means(&self) -> Option<String> {
         let excess = |c: &usize| (self.bias[*c] / tolerance_of_mean(self.means[*c])).abs();
         let channel = (0..3).max_by(|a, b| excess(a).total_cmp(&excess(b)))?;
-        let pixels = match self.pixels.outside {
-            0 => "every pixel is".to_owned(),
-            1 => "all pixels but one are".to_owned(),
-            several => format!("all pixels but {several} are"),
-        };
         let bias = self.bias[channel];
         (excess(&channel) > 1.0).then(|| {
             format!(
-                "{pixels} close, but {} is too {} on the whole: its mean is off by {bias:.3e}, {:.1} times what is allowed",
+                "the pixels are close, but {} is too {} on the whole: its mean is off by {bias:.3e}, {:.1} times what is allowed",
                 CHANNELS[channel],
                 if bias > 0.0 { "bright" } else { "dark" },
                 excess(&channel)

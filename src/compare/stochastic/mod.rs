@@ -309,12 +309,9 @@ fn judgement(
         limits.of_block(worst.block, worst.channel),
         comparison.asked(),
     );
-    let reason = match (undecided, promise) {
-        (Some((undecided, required)), Some(promise)) => {
-            format!(
-                "{}: {noise}",
-                too_noisy(visible, &undecided, required, &promise)
-            )
+    let reason = match undecided {
+        Some((undecided, required)) => {
+            format!("{}: {noise}", too_noisy(visible, &undecided, required))
         }
         _ if passed => {
             let [of_mean, of_blocks] = visible.map(percent);
@@ -343,27 +340,17 @@ fn judgement(
 
 /// Sentence for two images that agree, and could have hidden a bias of the mean and of blocks that is larger than
 /// `required`.
-fn too_noisy(
-    visible: [f64; 2],
-    advice: &Undecided,
-    required: [f64; 2],
-    promise: &Promise,
-) -> String {
-    let why = if required == [promise.mean, promise.block.unwrap_or(f64::INFINITY)] {
-        ""
-    } else {
-        " (less than usual, for the noise of the reference hides a quarter of it)"
-    };
-    let is_of_blocks = required[1].is_finite();
-    let [[seen, required], [of_blocks, of_block]] =
-        [0, 1].map(|i| [visible[i], required[i]].map(percent));
-    let of_block = match is_of_blocks {
-        true => format!("; of single blocks (90th percentile) {of_blocks}, required {of_block}"),
+fn too_noisy(visible: [f64; 2], advice: &Undecided, required: [f64; 2]) -> String {
+    let [mean, block] = [0, 1].map(|i| {
+        let [seen, required] = [visible[i], required[i]].map(percent);
+        format!("{seen}, required {required}")
+    });
+    let of_block = match required[1].is_finite() {
+        true => format!("; of single blocks (90th percentile) {block}"),
         false => String::new(),
     };
     format!(
-        "too noisy to decide: detectable bias of the mean {seen}, required {required}{of_block}{why}; {advice}; no \
-         difference beyond noise"
+        "too noisy to decide: detectable bias of the mean {mean}{of_block}; {advice}; no difference beyond noise"
     )
 }
 
