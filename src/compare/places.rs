@@ -9,7 +9,6 @@
 
 use super::stochastic::BLOCK;
 use crate::film::{CHANNELS, Film};
-use crate::math::Sum;
 
 /// Parts of the image for the jackknife, each of blocks from all over it.
 const PARTS: usize = 20;
@@ -83,48 +82,15 @@ struct Differences<'f> {
     test: &'f Film,
     /// Mean brightness of the golden.
     mean: f64,
-    /// Variance of the differences over that of the golden, by channel, where the test image does not state its noise.
-    noise_over_golden: Option<[f64; 3]>,
 }
 
 impl<'f> Differences<'f> {
     fn new(golden: &'f Film, test: &'f Film) -> Option<Differences<'f>> {
-        let mut differences = Differences {
+        Some(Differences {
             golden,
             test,
             mean: golden.mean_magnitude().filter(|&mean| mean > 0.0)?,
-            noise_over_golden: None,
-        };
-        let states_none = golden.noise().is_some() && test.noise().is_none();
-        let ratios = states_none.then(|| [0, 1, 2].map(|c| differences.unstated_noise(c)));
-        differences.noise_over_golden =
-            ratios.filter(|ratios| ratios.iter().all(|ratio| ratio.is_finite()));
-        Some(differences)
-    }
-
-    /// That ratio, by the second differences of the difference, free of everything linear.
-    fn unstated_noise(&self, c: usize) -> f64 {
-        let width = self.golden.width();
-        let (mut squares, mut variances) = (Sum::default(), Sum::default());
-        for i in 0..self.golden.radiance().len() {
-            if (1..width.saturating_sub(1)).contains(&(i % width)) {
-                let d = |i: usize| self.difference(i, c);
-                let second = d(i - 1) - 2.0 * d(i) + d(i + 1);
-                // The squares of 1, −2 and 1 sum to 6.
-                squares.add(self.weight(i, c) * second * second / 6.0);
-                variances.add(self.weight(i, c) * self.shape_of_noise(i, c));
-            }
-        }
-        squares.value() / variances.value()
-    }
-
-    /// Variance of a pixel of an image that does not state it, up to a factor: where the golden is known, spread as
-    /// radiance is, as in the stochastic gate.
-    fn shape_of_noise(&self, i: usize, c: usize) -> f64 {
-        match self.golden.noise() {
-            Some(noise) if noise.is_known() => self.value(i, c).abs(),
-            _ => self.golden.variance_at(i, c),
-        }
+        })
     }
 
     fn value(&self, i: usize, c: usize) -> f64 {
@@ -135,12 +101,9 @@ impl<'f> Differences<'f> {
         f64::from(self.test.radiance()[i][c]) - self.value(i, c)
     }
 
-    /// Variance of the difference.
+    /// Variance of the difference, as far as it is stated.
     fn variance(&self, i: usize, c: usize) -> f64 {
-        match self.noise_over_golden {
-            Some(ratios) => ratios[c] * self.shape_of_noise(i, c),
-            None => self.golden.variance_at(i, c) + self.test.variance_at(i, c),
-        }
+        self.golden.variance_at(i, c) + self.test.variance_at(i, c)
     }
 
     /// Weight of a difference: by relative differences, except near black.

@@ -185,53 +185,12 @@ impl CheckedGolden {
         if let Some(profile) = &self.profile {
             facts.push(("rendered under the conventions of", profile.clone()));
         }
-        let omitted = self.without();
-        if !omitted.is_empty() {
-            facts.push(("leaves out", omitted));
-        }
         for (path, hash) in &of.inputs {
             facts.push(("input", format!("{path} ({})", short(hash))));
         }
         let named = |(name, fact): (&str, String)| (name.to_owned(), fact);
         facts.into_iter().map(named).collect()
     }
-
-    /// Effects that the scene is declared to leave out, as a note.
-    pub fn omissions(&self) -> Option<String> {
-        let without = self.without();
-        let profile = self.profile.as_ref();
-        let under = profile.map_or(String::new(), |name| format!(" under the profile {name}"));
-        let note = format!("the scene{under} leaves out {without} {DECLARED}");
-        (!without.is_empty()).then_some(note)
-    }
-
-    /// Effects that the scene is declared to leave out.
-    fn without(&self) -> String {
-        // The guide speaks of volume shadow; `medium-shadow` is the name for programs.
-        let word = |name: String| match name.replace('-', " ") {
-            name if name == "medium shadow" => "volume shadow".to_owned(),
-            name => name,
-        };
-        let plans = self.plans();
-        let of_panel = |(index, plan): (usize, &Plan<'_>)| {
-            let words: Vec<String> = plan.omitted().into_iter().map(word).collect();
-            let place = match plans.len() {
-                1 => String::new(),
-                _ => format!(" in panel {}", index + 1),
-            };
-            (!words.is_empty()).then(|| words.join(", ") + &place)
-        };
-        let said: Vec<String> = plans.iter().enumerate().filter_map(of_panel).collect();
-        said.join(", ")
-    }
-}
-
-/// Ends a note on what a scene leaves out on purpose.
-const DECLARED: &str = "(declared)";
-
-/// True for a note on what the scene leaves out on purpose: it stands in a report and in JSON, and is not printed.
-pub(crate) fn is_declared(note: &str) -> bool {
-    note.ends_with(DECLARED)
 }
 
 /// Cases among which the false alarms of a suite are divided: as many as any suite has, so that

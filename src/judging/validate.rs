@@ -328,7 +328,6 @@ fn with_words(
             finding.reason = said.join("; ");
         }
     }
-    finding.notes.extend(checked.omissions());
     finding.reason.extend(exposure);
     finding
 }

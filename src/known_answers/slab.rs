@@ -195,12 +195,7 @@ fn of(scene: &Radiative) -> Result<AlongRay<'_>, String> {
             sigma_a[c] > 0.0 || layer.emission[c] == 0.0,
             "the layer emits in a channel that it does not absorb",
         )?;
-        // Most layers are grey.
-        let same = (0..c).find(|&other| albedo[other] == albedo[c] && tau[other] == tau[c]);
-        functions.push(match same {
-            Some(other) => Slab::clone(&functions[other]),
-            None => Slab::new(albedo[c], tau[c])?,
-        });
+        functions.push(Slab::new(albedo[c], tau[c])?);
     }
     let sky = scene.environment;
     let behind = layer.back.unwrap_or(sky);

@@ -447,40 +447,6 @@ fn a_lost_line_is_seen() {
     assert_test_rejected("a column", &reference, &column, "a region of 1 × 48 pixels");
 }
 
-/// The variance of the luminance in the place of each channel's.
-#[test]
-fn one_variance_for_three_channels_is_none() {
-    let reference = sampled(1, 512, exponential, truth);
-    let test = sampled(2, 64, exponential, truth);
-    let stated = |map: fn([f32; 3]) -> [f32; 3]| {
-        let noise = test.noise().unwrap();
-        let variance = noise.variance().iter().map(|pixel| map(*pixel)).collect();
-        Film::with_noise(
-            SIDE,
-            SIDE,
-            test.radiance().to_vec(),
-            variance,
-            noise.samples(),
-        )
-    };
-    let word = "one number";
-    assert_test_rejected("of green", &reference, &stated(|[_, g, _]| [g; 3]), word);
-    assert_test_rejected(
-        "of the sum",
-        &reference,
-        &stated(|v| [v.iter().sum::<f32>() / 3.0; 3]),
-        word,
-    );
-    assert_passes("", &reference, &stated(|pixel| pixel));
-    // In a grey scene they are one number.
-    let grey = |i: usize| [truth(i)[0]; 3];
-    let [reference, test] = [
-        sampled(1, 512, exponential, grey),
-        sampled(2, 64, exponential, grey),
-    ];
-    assert!(judged(&reference, &test).passed);
-}
-
 #[test]
 fn too_little_noise_is_suspicious() {
     let reference = sampled(1, 256, exponential, truth);

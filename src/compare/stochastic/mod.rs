@@ -60,9 +60,6 @@
 //! A block that light missed by chance, and that therefore states no noise, has its share of what the
 //! others state.
 //!
-//! An image that states one variance for its three channels, to the bit, wherever those of the
-//! reference differ twofold does not state theirs, and is rejected: no estimates agree so.
-//!
 //! The *number of samples* that an image states is not judged. Another estimator may well need
 //! sixteen times fewer samples for the same noise, or more, and nothing in the image tells that from
 //! a number that is wrong. One that is too large narrows the guard, at the cost of the image alone;
@@ -74,8 +71,7 @@
 //! A test image may have been summed in single precision, rounded to half precision or printed with six decimals, and
 //! none of that is noise: pixels without noise are all rounded the same way. So every sum, over a block, a line, the
 //! image or a score, first subtracts the largest error that rounding could cause (see `blocks.rs`).
-//! Variances that half precision made equal or 0 are no statement either: the guard is there, and three equal ones
-//! count from four of its smallest steps on.
+//! Variances that half precision made 0 are no statement either: the guard is there.
 //!
 //! # Images of 8 bits
 //!
@@ -147,7 +143,7 @@ use comparison::Comparison;
 use cut_off::WithinCodes;
 use neighbours::judge_neighbours;
 use numbers::judge_numbers;
-use pixels::{PixelDifferences, judge_black, judge_one_variance};
+use pixels::{PixelDifferences, judge_black};
 use resolution::Limits;
 use scales::judge_scales;
 
@@ -188,7 +184,6 @@ pub(super) const DESCRIPTION: Description = Description {
         "contrary_pixels" => "Pixels and channels that differ although neither image has any noise there.";
         "black_pixels" => "Pixels that are exactly 0 although the golden is not; samples that are all 0 by chance make some, in images of few samples.";
         "amount_of_noise" => "Squared differences relative to the variance given in the images: 1 is expected, far below 1 means smoothing or shared random numbers, far above 1 a difference beyond noise.";
-        "noise_over_that_stated" => "Squared differences relative to the variance of the one image that includes it: 1 or more is expected.";
         "chi_square_probability" => "Probability of at least this much deviation from noise alone; near 0 means a real difference.";
         "copied_pixels" => "Noisy pixels that are bit-identical to the golden; independent renderings share none.";
         "correlation_across" => "Correlation of the differences of horizontally adjacent pixels: 0 is expected; above 0.05 whole regions are off, or the image was filtered or denoised, or its pixels share random numbers.";
@@ -289,7 +284,6 @@ fn judgement(
         faults.extend(pixels.judge_contrary([a, b], level, &mut metrics));
         faults.extend(judge_black(comparison, level, &mut metrics));
     }
-    faults.extend(judge_one_variance(comparison));
     let copied = pixels.judge_copied(level, &mut metrics);
     // A copy has too little noise, which goes without saying.
     let amount = judge_amount(comparison, level, &mut metrics).filter(|_| copied.is_none());

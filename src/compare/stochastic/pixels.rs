@@ -217,36 +217,6 @@ fn many_by_chance(count: f64, expected: f64) -> f64 {
     math::exp(count - expected + count * math::ln(expected / count))
 }
 
-/// Largest variance of a pixel up to which half precision, which has steps of 2⁻²⁴ there, may have made three numbers
-/// one.
-const FEW_BITS: f32 = 4.0 / 16_777_216.0;
-
-/// Fewest pixels that show one number for three variances.
-const RECOGNISED: u64 = 64;
-
-/// A reason if the test image states the same variance for its three channels, to the bit, wherever
-/// those of the reference differ twofold: it is of the luminance, or of one channel. No estimates of
-/// different numbers agree in so many pixels, so there is no chance to be allowed for.
-pub(super) fn judge_one_variance(comparison: &Comparison<'_>) -> Option<String> {
-    let [golden, test] = comparison.films.map(|film| film.noise());
-    let pairs = golden?.variance().iter().zip(test?.variance());
-    let (mut different, mut same) = (0, 0);
-    for (golden, test) in pairs {
-        let least = golden.iter().copied().fold(f32::INFINITY, f32::min);
-        let most = golden.iter().copied().fold(0.0, f32::max);
-        if most > 2.0 * least && test.iter().any(|variance| *variance > FEW_BITS) {
-            different += 1;
-            same += u64::from(test[0] == test[1] && test[1] == test[2]);
-        }
-    }
-    (same >= RECOGNISED && same == different).then(|| {
-        format!(
-            "the variances of red, green and blue are one number in each of {same} pixels where they \
-             should differ: state that of each channel, not of the luminance"
-        )
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
