@@ -173,7 +173,9 @@ pub fn judge(
         }
         (None, Gate::Stochastic) => {
             let (reference, test) = films()?;
-            stochastic::judge_under(reference, test, conditions)?
+            let level = stochastic::FALSE_ALARM / conditions.cases.max(1) as f64;
+            let Conditions { promise, .. } = *conditions;
+            stochastic::judge_with(reference, test, level, promise, conditions.sensitivities)?
         }
     };
     let judgement = match (reference, test) {

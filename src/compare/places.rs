@@ -55,7 +55,7 @@ pub fn measured(golden: &Film, test: &Film) -> Vec<String> {
     let mut said = Vec::new();
     let channel = |c: usize| shares.channel(c).is_at_least(IN_ONE_CHANNEL);
     said.extend((0..3).find(|&c| channel(c)).map(|c| {
-        let share = percent(shares.channel(c).value);
+        let share = left(shares.channel(c).value);
         format!(
             "{share} of the squared relative difference is in {}",
             CHANNELS[c]
@@ -240,13 +240,13 @@ fn gain(differences: &Differences<'_>, whole: f64) -> Option<String> {
             gained += products * products / squares;
         }
     }
-    let left = 1.0 - gained / whole;
+    let rest = 1.0 - gained / whole;
     let [r, g, b] = factors.map(|factor| format!("{factor:.4}"));
-    (left <= LEFT_BY_GAIN).then(|| {
+    (rest <= LEFT_BY_GAIN).then(|| {
         format!(
             "the golden times {r} in red, {g} in green and {b} in blue, over all pixels, would leave {} of the squared \
              relative difference",
-            self::left(left)
+            left(rest)
         )
     })
 }
@@ -279,7 +279,7 @@ fn places(differences: &Differences<'_>, shares: &Shares) -> Vec<String> {
         (is_clearly_more(share.value, due) && share.is_at_least(due)).then(|| {
             format!(
                 "{} of the squared relative difference lies {place}",
-                percent(share.value)
+                left(share.value)
             )
         })
     });
@@ -318,12 +318,12 @@ fn in_a_box(differences: &Differences<'_>, shares: &Shares, unit: usize) -> Opti
             "nearly all of the squared relative difference lies in {} and {}, {} of the image",
             lines("column", [columns.start, columns.end - 1]),
             lines("row", [rows.start, rows.end - 1]),
-            percent(area)
+            left(area)
         )
     })
 }
 
-/// A share that is left.
+/// A share in per cent.
 pub(crate) fn left(share: f64) -> String {
     match 100.0 * share {
         percent if percent < 0.1 => "less than 0.1 %".to_owned(),
@@ -337,17 +337,5 @@ pub(super) fn lines(name: &str, [first, last]: [usize; 2]) -> String {
         format!("{name} {first}")
     } else {
         format!("{name}s {first} to {last}")
-    }
-}
-
-/// A share in per cent, rounded; never 0 for some, nor 100 for less than all.
-fn percent(share: f64) -> String {
-    match 100.0 * share {
-        all if all >= 99.95 => "all".to_owned(),
-        most if most >= 99.0 => format!("{most:.1} %"),
-        0.0 => "0 %".to_owned(),
-        least if least < 0.05 => "less than 0.1 %".to_owned(),
-        little if little < 0.95 => format!("{little:.1} %"),
-        part => format!("{part:.0} %"),
     }
 }

@@ -4,7 +4,6 @@ use super::nothing_drawn::shows_nothing;
 use super::{CaseResult, Cause, Evidence, Verdict};
 use crate::compare::{Conditions, Judgement, Picture, Sensitivity};
 use crate::conventions::Profile;
-use crate::known_answers::Formula;
 use crate::render::{Plan, plans, render};
 use crate::scene::{Panel, Precision, Sampling, Scene};
 use crate::suite::golden::{accept_advice, plan_hash, scene_hash, short};
@@ -169,7 +168,7 @@ impl CheckedGolden {
             ("golden", short(&of.pixels).to_owned()),
             ("accepted because", of.reason.clone()),
             match &of.truth {
-                Some(name) => ("known answer", known_answer(name)),
+                Some(name) => ("known answer", name.clone()),
                 None => ("samples per pixel", of.samples.to_string()),
             },
             ("relative error", format!("{:.2e}", of.error_estimate)),
@@ -213,13 +212,6 @@ fn stale(case: &Case, scene: &Scene, golden: &Golden) -> Option<String> {
             provenance.case
         ));
     }
-    if size != (width, height) {
-        return Some(format!(
-            "the golden has {} × {} pixels, the scene asks for {width} × {height}; restore it \
-             from version control",
-            size.0, size.1
-        ));
-    }
     let quick = provenance.quick.as_ref();
     let quick_samples = case.sampling.map(|sampling| sampling.quick);
     let converged = case.sampling.and_then(|sampling| sampling.converged);
@@ -253,6 +245,12 @@ fn stale(case: &Case, scene: &Scene, golden: &Golden) -> Option<String> {
         None if MARGIN * provenance.error_estimate > resolution => {
             "the golden is too noisy for the resolution that the case requires now".to_owned()
         }
+        None if size != (width, height) => {
+            return Some(format!(
+                "the golden has {} × {} pixels, the scene asks for {width} × {height}; restore it from version control",
+                size.0, size.1
+            ));
+        }
         None => return None,
     };
     Some(format!("stale: {what}; {}", accept_advice(case)))
@@ -275,12 +273,4 @@ fn is_stale_class(case: &Case, quick: Option<&Quick>) -> bool {
         (None, Some(_)) => quick.is_none_or(|quick| quick.samples != 1),
         (None, None) => quick.is_some(),
     }
-}
-
-/// A formula in words.
-fn known_answer(name: &str) -> String {
-    let formula = Formula::named(name);
-    formula.map_or(name.to_owned(), |formula| {
-        format!("{name}: {}", formula.what)
-    })
 }

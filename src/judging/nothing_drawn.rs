@@ -47,22 +47,18 @@ pub(crate) fn nothing_drawn(
     if !is_opacity_empty(&film) {
         return None;
     }
-    let of_scene = format!("the background of {}", background_in_words(&background));
     let black = mapped(&background, |_, _| (0.0, 0.0));
     // Some programs leave the background out.
-    let empty = [
-        (&background, &*of_scene, "the background"),
-        (&black, "black", "black"),
-    ];
-    empty.into_iter().find_map(|(empty, is, from)| {
+    let empty = [(&background, "the background"), (&black, "black")];
+    empty.into_iter().find_map(|(empty, name)| {
         if is_like(&film, empty, true) {
-            return Some(format!("nothing was drawn: every pixel is {is}"));
+            return Some(format!("nothing was drawn: every pixel is {name}"));
         }
         let [shown, lacking] = [empty, golden].map(|of| squared_difference(of, &film));
         let is_little = lacking > 0.0 && shown <= UNEXPLAINED * lacking;
         (is_little && is_like(&film, empty, false)).then(|| {
             format!(
-                "all but nothing was drawn: no pixel differs from {from} by more than its tolerance"
+                "all but nothing was drawn: no pixel differs from {name} by more than its tolerance"
             )
         })
     })
@@ -99,15 +95,4 @@ fn is_opacity_empty(film: &Film) -> bool {
 
 fn values_of(film: &Film) -> impl Iterator<Item = &f32> {
     film.radiance().as_flattened().iter()
-}
-
-fn background_in_words(background: &Film) -> String {
-    let pixels = background.radiance();
-    match pixels.iter().all(|pixel| *pixel == pixels[0]) {
-        true => format!(
-            "the scene, ({})",
-            pixels[0].map(|x| x.to_string()).join(", ")
-        ),
-        false => "its panel".to_owned(),
-    }
 }

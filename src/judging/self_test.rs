@@ -68,7 +68,12 @@ impl CaseTrials {
             }
         }
         for (variant, rejection) in other.benign {
-            if *self.benign.entry(variant).or_insert_with(|| rejection.clone()) != rejection {
+            if *self
+                .benign
+                .entry(variant)
+                .or_insert_with(|| rejection.clone())
+                != rejection
+            {
                 return None;
             }
         }

@@ -12,7 +12,7 @@ mod profile_text;
 
 use super::likeness::{self, Predictions, Search, SearchClock, SearchStep};
 use super::shipped_profile::{self, NamedProfile};
-use crate::conventions::{CATALOGUE, ConventionSet, Profile, STEP};
+use crate::conventions::{CATALOGUE, ConventionSet, STEP};
 use crate::film::Film;
 use crate::judging::{CaseResult, Cause, Judged, OF_PROFILE, Verdict};
 use crate::scene::{Mode, Panel, Scene};
@@ -109,8 +109,6 @@ fn set_verdict(result: &mut CaseResult, accepted: bool, agreement: &str) {
 /// explains one image is tried first in the next.
 pub struct ConventionSearch<'s> {
     known: Mutex<Vec<ConventionSet>>,
-    /// The shipped profile that explained an image as a whole.
-    known_profile: Mutex<Option<&'static str>>,
     interrupted: &'s (dyn Fn() -> bool + Sync),
     progress: &'s (dyn Fn(&SearchStep) + Sync),
 }
@@ -129,7 +127,6 @@ impl<'s> ConventionSearch<'s> {
     ) -> ConventionSearch<'s> {
         ConventionSearch {
             known: Mutex::default(),
-            known_profile: Mutex::default(),
             interrupted,
             progress,
         }
@@ -139,7 +136,7 @@ impl<'s> ConventionSearch<'s> {
     /// `accepted`. The search takes at most half as much work as two cores do in `seconds`, and a note says so of one
     /// that needs more: on any machine the same. A later [search for mistakes](super::likeness) has the rest.
     ///
-    /// For an image of 8 bits, the shipped [profiles](Profile::shipped) are tried first, as they are: the search
+    /// For an image of 8 bits, the shipped [profiles](crate::conventions::Profile::shipped) are tried first, as they are: the search
     /// does not vary the roundings that they state.
     pub fn explain_mismatch(
         &self,
@@ -163,7 +160,7 @@ impl<'s> ConventionSearch<'s> {
         let search = self.within(Some(OF_CONVENTIONS * seconds), &predictions);
         let clock = SearchClock::start(&search, &case.name, 0);
         let images = Images::of(&scene, &clock);
-        let profile = self.profile(case, store, &scene, judged, &images);
+        let profile = shipped_profile::passing(case, store, judged, &images);
         let found = match &profile {
             Some(_) => None,
             None => self.explain_by(case, &test, &images),
@@ -197,24 +194,6 @@ impl<'s> ConventionSearch<'s> {
             interrupted: self.interrupted,
             progress: self.progress,
         }
-    }
-
-    /// The profile that volref brings under which an image of 8 bits agrees; first the one that explained
-    /// another.
-    fn profile(
-        &self,
-        case: &Case,
-        store: &Store,
-        scene: &Scene,
-        judged: &Judged,
-        images: &Images<'_>,
-    ) -> Option<NamedProfile> {
-        let known = *self.known_profile.lock().expect("no panic holds it");
-        let others = Profile::shipped().filter(|name| Some(*name) != known);
-        let names: Vec<&str> = known.into_iter().chain(others).collect();
-        let found = shipped_profile::passing(&names, case, store, scene, judged, images)?;
-        *self.known_profile.lock().expect("no panic holds it") = Some(found.0);
-        Some(found)
     }
 
     /// The fewest conventions, of those tried, under which `image` passes as one of `case`. `None` if there are none, or none were found

@@ -18,18 +18,18 @@ use crate::suite::{Case, Output, Store};
 /// A profile that volref brings, by its name.
 pub type NamedProfile = (&'static str, Profile);
 
-/// The first of the profiles of these `names`, of renderers of 8 bits, under which the images behind `judged`
-/// pass. Their work counts as that of `images`, so that no verdict depends on the machine or on other cases.
+/// The first of the profiles that volref brings, of renderers of 8 bits, under which the image behind `judged`
+/// passes. Their work counts as that of `images`, so that no verdict depends on the machine or on other cases.
 pub fn passing(
-    names: &[&'static str],
     case: &Case,
     store: &Store,
-    scene: &Scene,
     judged: &Judged,
     images: &Images<'_>,
 ) -> Option<NamedProfile> {
-    for (tried, &name) in names.iter().enumerate() {
-        images.clock.report(Stage::Profiles, tried, names.len());
+    let scene = images.scene;
+    let count = Profile::shipped().count();
+    for (tried, name) in Profile::shipped().enumerate() {
+        images.clock.report(Stage::Profiles, tried, count);
         let Ok(profile) = Profile::named(name) else {
             continue;
         };

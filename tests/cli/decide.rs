@@ -92,7 +92,7 @@ fn silent_images_are_decided_by_their_spread() {
         (0, Some("pass")),
         "{case}"
     );
-    assert!(notes(&case).contains("3 looks"), "{case}");
+    assert!(notes(&case).contains("looks: 3;"), "{case}");
     // What is kept is the image that was judged.
     let run = folder.volref("validate --outputs kept");
     assert_eq!(run.code, 0, "{} {}", run.stdout, run.stderr);

@@ -302,10 +302,8 @@ fn nothing_is_measured_of_what_is_not_drawn() {
         let right = rendered(case, |_| ());
         let nothing = silent(&edited(&right, |_, _, _| [grey; 3]));
         let result = searched(&case_of(case), nothing.clone());
-        let sentence = format!(
-            "nothing was drawn: every pixel is the background of the scene, ({grey}, {grey}, {grey})"
-        );
-        assert!(result.reason.starts_with(&sentence), "{}", result.reason);
+        let sentence = "nothing was drawn: every pixel is the background";
+        assert!(result.reason.starts_with(sentence), "{}", result.reason);
         assert!(result.changes.is_empty() && result.difference.is_empty());
         // One pixel is something.
         let one_pixel = edited(&nothing, |x, y, pixel| {

@@ -603,28 +603,21 @@ fn advice_decides_in_every_form() {
         let one = |i: u64| silent(&sampled(4 * seed + i, samples / 4, shape, truth));
         Film::from_replicates(&[one(0), one(1), one(2), one(3)]).unwrap()
     }
-    let forms: [(Form, Option<u64>, &str); 5] = [
-        (
-            |seed, n, shape| sampled(seed, n, shape, truth),
-            Some(32),
-            "this image has 32",
-        ),
+    let forms: [(Form, Option<u64>); 5] = [
+        (|seed, n, shape| sampled(seed, n, shape, truth), Some(32)),
         (
             |seed, n, shape| silent(&sampled(seed, n, shape, truth)),
             None,
-            "as this image has",
         ),
         (
             // As of a renderer that was asked for them.
             |seed, n, shape| silent(&sampled(seed, n, shape, truth)).with_samples(n),
             Some(32),
-            "this image has 32",
         ),
-        (renderings, None, "as these 4 renderings have together"),
+        (renderings, None),
         (
             |seed, n, shape| renderings(seed, n, shape).with_samples(n / 4),
             Some(32),
-            "these 4 renderings have 32 together",
         ),
     ];
     for (name, shape) in [
@@ -635,7 +628,7 @@ fn advice_decides_in_every_form() {
         let reference = sampled(1, 2048, shape, truth);
         let stated = judged(&reference, &sampled(2, 32, shape, truth));
         let promise = 0.5 * mean_resolution(&stated);
-        for (form, has, words) in forms {
+        for (form, has) in forms {
             let with = |seed, samples| {
                 let film = form(seed, samples, shape);
                 promising(&reference, &film, promise)
@@ -643,7 +636,6 @@ fn advice_decides_in_every_form() {
             let few = with(3, 32);
             let advice = advised(&few);
             assert_eq!(advice.has, has, "{name}");
-            assert!(few.reason.contains(words), "{name}: {}", few.reason);
             let samples = advice.samples().unwrap_or(32.0 * advice.times).ceil() as u32;
             for seed in 6..8 {
                 let enough = with(seed, samples.next_multiple_of(4));
@@ -653,10 +645,7 @@ fn advice_decides_in_every_form() {
                     enough.reason
                 );
                 let quarter = with(seed, samples / 16 * 4);
-                assert!(
-                    quarter.undecided.is_some(),
-                    "{name}, {words}: {samples} is too much"
-                );
+                assert!(quarter.undecided.is_some(), "{name}: {samples} is too much");
             }
         }
     }

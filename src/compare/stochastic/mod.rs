@@ -127,7 +127,7 @@ pub(crate) use map::{block_error, block_map};
 pub(crate) use unstated::is_off_by_noise;
 
 use super::advice::Undecided;
-use super::gate::{Conditions, Description, Gate, MEAN_DIFFERENCES, metrics};
+use super::gate::{Description, Gate, MEAN_DIFFERENCES, metrics};
 use super::incomparable;
 use super::judgement::Judgement;
 use super::picture::PictureError;
@@ -201,22 +201,6 @@ pub fn judge(reference: &Film, test: &Film, cases: usize) -> Result<Judgement, P
 /// [`judge`], with the probability of a false alarm of this one comparison.
 pub fn judge_at(reference: &Film, test: &Film, level: f64) -> Result<Judgement, PictureError> {
     judge_with(reference, test, level, None, &[])
-}
-
-/// [`judge`] under these conditions.
-pub(super) fn judge_under(
-    reference: &Film,
-    test: &Film,
-    conditions: &Conditions<'_>,
-) -> Result<Judgement, PictureError> {
-    let level = FALSE_ALARM / conditions.cases.max(1) as f64;
-    judge_with(
-        reference,
-        test,
-        level,
-        conditions.promise,
-        conditions.sensitivities,
-    )
 }
 
 /// [`judge_at`] of an image that is to show the promised biases, where it is known how the reference changes with numbers

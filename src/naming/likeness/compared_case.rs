@@ -82,8 +82,7 @@ pub(super) struct ComparedCase {
     pub index: usize,
     /// Name of the case.
     pub name: String,
-    /// The image is the golden times a factor, as far as the gate can tell, which the verdict states: then it shows no
-    /// curve of values.
+    /// The image is the golden times a factor, as far as the gate can tell, which the verdict states.
     pub is_gain: bool,
     /// The colours are right, and opacity is not.
     pub is_of_opacity: bool,
@@ -317,9 +316,7 @@ impl ComparedCase {
 
     /// Mistakes that may explain the image.
     fn suspected(&self) -> Vec<Hypothesis> {
-        Hypothesis::singles(|mistake| {
-            mistake.is_of_opacity() == self.is_of_opacity && !(self.is_gain && mistake.is_curve())
-        })
+        Hypothesis::singles(|mistake| mistake.is_of_opacity() == self.is_of_opacity)
     }
 
     /// The mistakes that explain the image, nearest first; the usual pairs, where none does by itself.

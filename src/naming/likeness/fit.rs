@@ -390,14 +390,7 @@ impl<'f> Fitting<'f> {
         let changes = fit.chosen.iter().enumerate().map(|(i, &at)| {
             let parameter = &self.parameters[at];
             let error = Some(fit.errors[i]).filter(|error| error.is_finite());
-            let unit = parameter.unit;
-            let words = change_in_words(&parameter.words(), unit, fit.changes[i], error);
-            let view =
-                (parameter.name() == "camera.view").then(|| self.changed(&[at], &[fit.changes[i]]));
-            match view.flatten().as_ref().and_then(field_of_view) {
-                Some(angle) => format!("{words} (a field of view of {angle:.2} degrees)"),
-                None => words,
-            }
+            change_in_words(&parameter.words(), parameter.unit, fit.changes[i], error)
         });
         changes.collect::<Vec<_>>().join(" and ")
     }
@@ -416,13 +409,6 @@ fn update(derivatives: &mut [Vector], steps: &[f64], made: &[f64], (from, to): (
         let share = -made / (step * step) / length;
         *derivative = difference(derivative, &scaled(&missed, share));
     }
-}
-
-/// Field of view in degrees; `None` for an orthographic camera.
-fn field_of_view(scene: &Scene) -> Option<f64> {
-    let mut cameras = scene.panels.iter().filter_map(|panel| panel.model.camera());
-    let camera = cameras.next().filter(|camera| !camera.is_orthographic())?;
-    Some(camera.vertical_fov().to_degrees())
 }
 
 /// Range of the changes of a parameter in a fit.
