@@ -22,7 +22,7 @@ pub(super) fn order(order: &ConvergenceOrder) -> String {
         OrderVerdict::AsExpected => "✓ as expected",
         OrderVerdict::Otherwise => "✗ not as expected",
         OrderVerdict::Undecided => {
-            "? undecided: too few settings are fine enough and above the error of the reference, or the order still changes"
+            "? undecided: too few settings count, or the order still changes"
         }
         OrderVerdict::NothingExpected => "– no order is expected",
     };
