@@ -15,8 +15,7 @@ use crate::cost::timing::Machine;
 use crate::files::regular_file::note_input;
 use crate::film::{Alpha, Bits, FilmFormat};
 use crate::judging::{
-    CaseResult, Judged, JudgedWith, MoreSamples, add_right_declaration, before_background,
-    declared, is_open, validate_at,
+    CaseResult, Judged, JudgedWith, MoreSamples, before_background, declared, is_open, validate_at,
 };
 use crate::renderers::{ImageSource, OtherRenderer, Rendered, in_order, stop_all};
 use crate::report;
@@ -488,12 +487,8 @@ impl Judge<'_> {
     fn judged(&self, case: &Case, rendered: Rendered, look: Option<u32>) -> Judged {
         let (store, profile) = (&self.store, self.profile.as_ref());
         let output = declared(rendered.output, self.bits(), case);
-        let as_it_came = self.alpha().map(|alpha| (output.clone(), alpha));
         let output = before_background(output, self.alpha(), case);
         let mut judged = validate_at(look, case, store, output, profile);
-        if let Some(as_it_came) = as_it_came {
-            add_right_declaration(&mut judged, as_it_came, case, store, profile);
-        }
         judged.result.search_ended = judged.differs().then_some(false);
         judged.result.notes.extend(rendered.notes);
         judged.evidence.output = rendered.printed;

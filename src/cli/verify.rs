@@ -6,7 +6,7 @@ use super::results::{Findings, ResultFiles};
 use super::threads::Threads;
 use super::{Outcome, output, progress};
 use crate::judging;
-use crate::judging::{CaseResult, Cause, Evidence, JudgedWith, Verdict};
+use crate::judging::{CaseResult, Evidence, JudgedWith, Verdict};
 use crate::naming::Likenesses;
 use crate::report;
 use crate::suite::Case;
@@ -49,8 +49,6 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
             let mut judged = judging::verify(case, &store, &bar);
             if !shows {
                 judged.evidence = Evidence::default();
-            } else if judged.result.cause == Cause::Golden {
-                judging::show_unjudged(case, &store, &mut judged.evidence, &bar);
             }
             bar.end_part();
             judged

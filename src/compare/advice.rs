@@ -25,10 +25,6 @@ pub struct Advice {
     pub times: f64,
     /// Samples per pixel, of all its renderings together; `None` if unknown.
     pub has: Option<u64>,
-    /// Number of renderings: 1 for a single image.
-    pub renderings: u32,
-    /// True if it states the variance of its samples: estimated noise is less certain.
-    pub is_stated: bool,
 }
 
 impl Advice {
@@ -75,25 +71,14 @@ impl fmt::Display for Undecided {
 
 impl fmt::Display for Advice {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (image, together) = match self.renderings {
-            1 => ("this image has".to_owned(), ""),
-            several => (format!("these {several} renderings have"), " together"),
-        };
-        match (self.samples(), self.has) {
-            (Some(samples), Some(has)) => write!(
-                f,
-                "about {samples} samples per pixel in all would decide, and {image} {has}{together}"
-            )?,
-            _ => write!(
-                f,
-                "about {} times as many samples per pixel as {image}{together} would decide",
-                two_digits(self.times)
-            )?,
-        }
-        if self.is_stated {
-            Ok(())
-        } else {
-            f.write_str(" (fewer, if the image states its variance)")
+        let times = two_digits(self.times);
+        write!(
+            f,
+            "about {times} times as many samples per pixel would decide"
+        )?;
+        match self.samples() {
+            Some(samples) => write!(f, ", {samples} in all"),
+            None => Ok(()),
         }
     }
 }

@@ -22,6 +22,7 @@ const RELATIVE: f64 = 1e-3;
 const AT_AN_EDGE: f64 = 4.0;
 
 /// Comparison of the depths of two images of one size.
+#[derive(Default)]
 pub(crate) struct DepthDifference {
     /// Pixels outside the tolerance.
     pub outside: usize,
@@ -39,13 +40,7 @@ impl DepthDifference {
     /// Compares `test` with `right`, rows of `width` pixels, whose samples are `step` apart. Pixels without a
     /// depth are not compared, but at edges: programs write 0, the far plane or infinity there.
     pub fn of(right: &[f32], test: &[f32], width: usize, step: f64) -> DepthDifference {
-        let mut found = DepthDifference {
-            outside: 0,
-            seen: 0,
-            without: 0,
-            mean: 0.0,
-            worst: None,
-        };
+        let mut found = DepthDifference::default();
         let height = right.len() / width;
         let (mut most, mut sum, mut both) = (0.0, 0.0, 0_usize);
         for (index, &at) in right.iter().enumerate().filter(|(_, at)| at.is_finite()) {

@@ -6,7 +6,6 @@
 //! Structural and mean-pooled metrics are no substitute: of sixteen seeded faults they caught
 //! between one and twelve, this rule all.
 
-use super::around;
 use super::gate::{Conditions, Description, Gate, MEAN_DIFFERENCES, Metric, metrics};
 use super::judgement::Judgement;
 use super::opacity;
@@ -52,7 +51,7 @@ pub(super) const DESCRIPTION: Description = Description {
     rule: "Neither image has noise. A pixel agrees if each channel is within 0.001 plus 1 % of the \
          golden: that is one tolerance. At most 0.02 % of the pixels may disagree (rays that graze \
          an edge), none by more than 20 tolerances, and the mean of a channel may be off by a tenth \
-         of a tolerance. No single pixel may be black among neighbours that are not. Opacity, where \
+         of a tolerance. Opacity, where \
          both images have it, is one more channel; 1 or 0 everywhere counts only in cases that ask for opacity.",
     metrics: &metrics! {
         "outlier_pixels" => "Pixels that are off by more than the tolerance.";
@@ -63,8 +62,6 @@ pub(super) const DESCRIPTION: Description = Description {
             "Difference of the worst pixel in tolerances; above 1 the pixel disagrees, above 20 the image fails.";
         "worst_column" => "Column of the worst pixel, from the left, from 0.";
         "worst_row" => "Row of the worst pixel, from the top, from 0.";
-        "lost_pixels" =>
-            "Pixels that are exactly 0 in all channels, among neighbours that agree and are not; none are allowed.";
         MEAN_DIFFERENCES[0];
         MEAN_DIFFERENCES[1];
         MEAN_DIFFERENCES[2];
@@ -93,34 +90,6 @@ pub(crate) fn in_tolerances(golden: [f32; 3], test: [f32; 3]) -> f64 {
     })
 }
 
-/// Pixels that are exactly 0 in all channels of `test`, where `reference` is not, and whose eight
-/// neighbours are within tolerance and lie in no darkness: single pixels that were lost. What a
-/// pixel sees at the edge of a volume may be nothing, but there the next one sees nothing, too; so
-/// no picture that is right has any, and there is no chance to be allowed for.
-fn lone_black_pixels(reference: &Film, test: &Film) -> Vec<usize> {
-    let (width, height) = (reference.width(), reference.height());
-    let nearest = test.nearest_to(reference);
-    let is_lit = |index: usize| {
-        let most = reference.radiance()[index].into_iter().fold(0.0, f32::max);
-        // Rounding to 8 bits makes black of what is darker than half a code.
-        let hidden = test.quantisation().map_or(0.0, |it| it.half_code(0.0));
-        f64::from(most) > tolerance(0.0) * 2.0 + hidden
-    };
-    let agrees =
-        |index: usize| in_tolerances(reference.radiance()[index], nearest.radiance()[index]) <= 1.0;
-    let is_alone = |index: usize| {
-        let [x, y] = [index % width, index / width];
-        if x == 0 || y == 0 || x + 1 == width || y + 1 == height {
-            return false;
-        }
-        let mut neighbours = around(index, [width, height], 1);
-        neighbours.all(|other| is_lit(other) && (other == index || agrees(other)))
-    };
-    (0..width * height)
-        .filter(|&index| test.radiance()[index] == [0.0; 3] && is_alone(index))
-        .collect()
-}
-
 /// Judges `test` by `reference`, both of one size and finite. Opacity counts, if it is the same everywhere, only where it
 /// is asked for.
 ///
@@ -137,15 +106,14 @@ pub(super) fn judge(reference: &Film, test: &Film, conditions: &Conditions<'_>) 
         Some(_) => "half a code + 0.001 + 1 %",
         None => "0.001 + 1 %",
     };
-    let black = lone_black_pixels(reference, test);
     let colours = ColourDifference::between(reference, &test.nearest_to(reference));
     let opacity = opacity::difference(reference, test, conditions.opacity, tolerance);
     let fault = (colours.of_pixels(allowed, outliers, cap))
-        .or_else(|| of_black_pixels(&black, reference.width()))
         .or_else(|| colours.of_means())
-        .or_else(|| opacity.as_ref()?.of_pixels(reference, test, outliers, cap))
-        .or_else(|| opacity.as_ref()?.of_mean(tolerance_of_mean));
-    let mut metrics = colours.metrics(black.len());
+        .or_else(|| {
+            (opacity.as_ref()?).in_words(reference.width(), outliers, cap, tolerance_of_mean)
+        });
+    let mut metrics = colours.metrics();
     if let Some(found) = opacity {
         metrics.push((OUTLIERS_OF_OPACITY.0, found.pixels.outside as f64));
         metrics.push(("mean_difference_opacity", found.mean));
@@ -153,22 +121,6 @@ pub(super) fn judge(reference: &Film, test: &Film, conditions: &Conditions<'_>) 
     let passed = fault.is_none();
     let reason = fault.unwrap_or_else(|| colours.in_words(allowed));
     Judgement::new(Gate::Deterministic, passed, reason, &metrics)
-}
-
-/// Sentence on the pixels that were lost, if there are any, in an image of this `width`.
-fn of_black_pixels(black: &[usize], width: usize) -> Option<String> {
-    let first = black.first()?;
-    let pixels = match black.len() {
-        1 => "a pixel is black".to_owned(),
-        many => format!("{many} pixels are black"),
-    };
-    Some(format!(
-        "{pixels}: exactly 0 among neighbours that agree and are not, such as ({}, {}); rays \
-         that graze an edge see little of it, never nothing: possible causes are a NaN replaced \
-         by 0, or a pixel that was never written",
-        first % width,
-        first / width
-    ))
 }
 
 /// Differences of the colours of two films.
@@ -233,15 +185,10 @@ impl ColourDifference {
     fn of_means(&self) -> Option<String> {
         let excess = |c: &usize| (self.bias[*c] / tolerance_of_mean(self.means[*c])).abs();
         let channel = (0..3).max_by(|a, b| excess(a).total_cmp(&excess(b)))?;
-        let pixels = match self.pixels.outside {
-            0 => "every pixel is".to_owned(),
-            1 => "all pixels but one are".to_owned(),
-            several => format!("all pixels but {several} are"),
-        };
         let bias = self.bias[channel];
         (excess(&channel) > 1.0).then(|| {
             format!(
-                "{pixels} close, but {} is too {} on the whole: its mean is off by {bias:.3e}, {:.1} times what is allowed",
+                "the pixels are close, but {} is too {} on the whole: its mean is off by {bias:.3e}, {:.1} times what is allowed",
                 CHANNELS[channel],
                 if bias > 0.0 { "bright" } else { "dark" },
                 excess(&channel)
@@ -257,7 +204,7 @@ impl ColourDifference {
         )
     }
 
-    fn metrics(&self, lost: usize) -> Vec<(&'static str, f64)> {
+    fn metrics(&self) -> Vec<(&'static str, f64)> {
         vec![
             ("outlier_pixels", self.pixels.outside as f64),
             ("outlier_share", self.pixels.share()),
@@ -266,7 +213,6 @@ impl ColourDifference {
             ("worst_in_tolerances", self.pixels.worst.1),
             ("worst_column", self.worst_at[0] as f64),
             ("worst_row", self.worst_at[1] as f64),
-            ("lost_pixels", lost as f64),
             ("mean_difference_red", self.bias[0]),
             ("mean_difference_green", self.bias[1]),
             ("mean_difference_blue", self.bias[2]),

@@ -11,10 +11,11 @@ use serde::{Deserialize, Serialize};
 pub(crate) type Metric = (&'static str, &'static str);
 
 /// The rule behind a result.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Gate {
     /// Every bit of every pixel.
+    #[default]
     Exact,
     /// Linear radiance within a tolerance, for renderings without noise.
     Deterministic,
@@ -54,12 +55,12 @@ pub(super) const MEAN_DIFFERENCES: [Metric; 3] = metrics! {
     "mean_difference_blue" => "Mean of test minus golden: above 0, blue is too bright.";
 };
 
-/// Parameters of a comparison beside the images.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// Parameters of a comparison beside the images; by default a single comparison at exposure 0, without a required bias.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Conditions<'s> {
     /// Exposure applied to linear images, in stops.
     pub exposure: f64,
-    /// Number of comparisons, including this one, that share one rate of false alarms.
+    /// Number of comparisons, including this one, that share one rate of false alarms; 0 is 1.
     pub cases: usize,
     /// Biases that must be detectable for a pass; `None` for no such requirement.
     pub promise: Option<Promise>,
@@ -69,18 +70,4 @@ pub struct Conditions<'s> {
     pub opacity: bool,
     /// Derivatives of the reference by the numbers of its scene, for the stochastic gate.
     pub sensitivities: &'s [Sensitivity],
-}
-
-impl Default for Conditions<'_> {
-    /// A single comparison at exposure 0, without a required bias.
-    fn default() -> Self {
-        Conditions {
-            exposure: 0.0,
-            cases: 1,
-            promise: None,
-            in_single_precision: false,
-            opacity: false,
-            sensitivities: &[],
-        }
-    }
 }

@@ -58,7 +58,7 @@ fn size_differs(
     Some(Judgement::new(gate, false, reason, &[]))
 }
 
-/// Pixels that are named where something is wrong with single ones.
+/// Pixels that are named, at most.
 const MOST_NAMED: usize = 8;
 
 fn not_finite(gate: Gate, name: &str, film: &Film) -> Option<Judgement> {
@@ -67,39 +67,18 @@ fn not_finite(gate: Gate, name: &str, film: &Film) -> Option<Judgement> {
     let broken: Vec<usize> = (0..width * height).filter(broken).collect();
     let &first = broken.first()?;
     let pixel = |&index: &usize| format!("({}, {})", index % width, index / width);
-    let mut named: Vec<String> = broken.iter().take(MOST_NAMED).map(pixel).collect();
-    if broken.len() > MOST_NAMED {
-        named.push("…".to_owned());
-    }
-    let are = if broken.len() == 1 { "is" } else { "are" };
+    let named: Vec<String> = broken.iter().take(MOST_NAMED).map(pixel).collect();
     let reason = format!(
-        "{} of {} pixels of the {name} {are} not finite: {}; the first has red, green, blue, opacity \
-         {:?}; {}",
+        "{} of {} pixels of the {name} are not finite: {}; the first has red, green, blue, opacity {:?}; look for a \
+         division by 0, a vector of length 0 that is normalised, or a value beyond the range of the file: half floats \
+         end at 65504",
         broken.len(),
         width * height,
         named.join(", "),
         film.pixel(first),
-        origins(film, &broken)
     );
     let metrics = [(NON_FINITE.0, broken.len() as f64)];
     Some(Judgement::new(gate, false, reason, &metrics))
-}
-
-/// Likely origins of NaN and of infinity, of those that `broken` pixels of `film` have.
-fn origins(film: &Film, broken: &[usize]) -> String {
-    let any = |is: fn(f32) -> bool| {
-        broken
-            .iter()
-            .any(|&index| film.pixel(index).into_iter().any(is))
-    };
-    let infinity = "look for a division by 0, such as by a distance or a probability, or a value beyond the range of \
-                    the numbers in the file: half floats end at 65504";
-    let nan = "look for a division 0/0, such as a vector of length 0 that is normalised";
-    match (any(f32::is_nan), any(f32::is_infinite)) {
-        (true, true) => format!("NaN: {nan}; infinity: {infinity}"),
-        (true, false) => nan.to_owned(),
-        (false, _) => infinity.to_owned(),
-    }
 }
 
 fn no_variance(gate: Gate, name: &str, film: &Film) -> Option<Judgement> {

@@ -19,13 +19,14 @@ pub(super) struct OpacityDifference {
 }
 
 impl OpacityDifference {
-    /// Sentence on the pixels, if more than this share of `outliers` are off, or one by more than `cap` tolerances.
-    pub fn of_pixels(
+    /// Sentence on the pixels, if more than this share of `outliers` are off, or one by more than `cap` tolerances; or on
+    /// the mean, if it is off by more than `of_mean` of that of the reference.
+    pub fn in_words(
         &self,
-        reference: &Film,
-        test: &Film,
+        width: usize,
         outliers: f64,
         cap: f64,
+        of_mean: fn(f64) -> f64,
     ) -> Option<String> {
         let Outliers {
             count,
@@ -33,31 +34,17 @@ impl OpacityDifference {
             worst: (at, worst),
             ..
         } = self.pixels;
-        if self.pixels.share() <= outliers && worst <= cap {
-            return None;
-        }
-        let opacity = |film: &Film| film.opacity().map_or(1.0, |opacity| opacity[at]);
-        Some(format!(
-            "the colours agree; the opacity of {} of {count} pixels ({:.3} %) differs by more than 0.001 + 1 %. The \
-             worst is ({}, {}), where it is {:.4} in place of {:.4}",
-            outside,
-            100.0 * self.pixels.share(),
-            at % reference.width(),
-            at / reference.width(),
-            opacity(test),
-            opacity(reference)
-        ))
-    }
-
-    /// Sentence on the mean, if it is off by more than `tolerance` of that of the reference.
-    pub fn of_mean(&self, tolerance: fn(f64) -> f64) -> Option<String> {
-        let excess = self.mean.abs() / tolerance(self.golden);
-        (excess > 1.0).then(|| {
+        let is_off =
+            self.pixels.share() > outliers || worst > cap || self.mean.abs() > of_mean(self.golden);
+        is_off.then(|| {
             format!(
-                "the colours agree, and the opacity of every pixel is close, but too {} on the whole: its mean is off by \
-                 {:.3e}, {excess:.1} times what is allowed",
+                "the colours agree; the opacity of {outside} of {count} pixels ({:.3} %) differs by more than 0.001 + 1 %. \
+                 The worst is ({}, {}); the mean is too {} by {:.3e}",
+                100.0 * self.pixels.share(),
+                at % width,
+                at / width,
                 if self.mean > 0.0 { "high" } else { "low" },
-                self.mean
+                self.mean.abs()
             )
         })
     }

@@ -9,8 +9,6 @@
 
 use super::stochastic::BLOCK;
 use crate::film::{CHANNELS, Film};
-use crate::math::Sum;
-use std::ops::Range;
 
 /// Parts of the image for the jackknife, each of blocks from all over it.
 const PARTS: usize = 20;
@@ -39,20 +37,9 @@ const PART_OF_IMAGE: f64 = 0.5;
 /// Share of the squared difference that is left out of such a box, at each of its four sides.
 const OUTSIDE: f64 = 0.01;
 
-/// Fewest values of a channel that end at the same number, if they are said to be cut off there.
-const CUT_OFF: usize = 16;
-
-/// Share of the values that should be above that number, and end there.
-const MOST_CUT_OFF: f64 = 0.9;
-
-/// Ratio of the golden's largest and smallest of these values: those of a lamp that is only darker are
-/// all the same.
-const APART: f64 = 1.02;
-
 /// Sentences, without a full stop, on where `test` differs from `golden`, and how; none where nothing can be measured:
-/// other sizes, values that are no numbers, or no difference beyond noise. `border` are pixels at the silhouette of a
-/// volume's box.
-pub fn measured(golden: &Film, test: &Film, border: Option<&[bool]>) -> Vec<String> {
+/// other sizes, values that are no numbers, or no difference beyond noise.
+pub fn measured(golden: &Film, test: &Film) -> Vec<String> {
     let differences = golden
         .is_comparable(test)
         .then(|| Differences::new(golden, test))
@@ -65,10 +52,10 @@ pub fn measured(golden: &Film, test: &Film, border: Option<&[bool]>) -> Vec<Stri
     if shares.whole <= 0.0 || has_noise && shares.whole <= SIGNIFICANT * shares.error {
         return Vec::new();
     }
-    let mut said = Vec::from_iter(cut_off(&differences));
+    let mut said = Vec::new();
     let channel = |c: usize| shares.channel(c).is_at_least(IN_ONE_CHANNEL);
     said.extend((0..3).find(|&c| channel(c)).map(|c| {
-        let share = percent(shares.channel(c).value);
+        let share = left(shares.channel(c).value);
         format!(
             "{share} of the squared relative difference is in {}",
             CHANNELS[c]
@@ -79,7 +66,7 @@ pub fn measured(golden: &Film, test: &Film, border: Option<&[bool]>) -> Vec<Stri
             .then(|| gain(&differences, shares.whole))
             .flatten(),
     );
-    said.extend(places(&differences, &shares, border));
+    said.extend(places(&differences, &shares));
     // Noise of single lines would decide where the box ends.
     said.extend(in_a_box(
         &differences,
@@ -95,48 +82,15 @@ struct Differences<'f> {
     test: &'f Film,
     /// Mean brightness of the golden.
     mean: f64,
-    /// Variance of the differences over that of the golden, by channel, where the test image does not state its noise.
-    noise_over_golden: Option<[f64; 3]>,
 }
 
 impl<'f> Differences<'f> {
     fn new(golden: &'f Film, test: &'f Film) -> Option<Differences<'f>> {
-        let mut differences = Differences {
+        Some(Differences {
             golden,
             test,
             mean: golden.mean_magnitude().filter(|&mean| mean > 0.0)?,
-            noise_over_golden: None,
-        };
-        let states_none = golden.noise().is_some() && test.noise().is_none();
-        let ratios = states_none.then(|| [0, 1, 2].map(|c| differences.unstated_noise(c)));
-        differences.noise_over_golden =
-            ratios.filter(|ratios| ratios.iter().all(|ratio| ratio.is_finite()));
-        Some(differences)
-    }
-
-    /// That ratio, by the second differences of the difference, free of everything linear.
-    fn unstated_noise(&self, c: usize) -> f64 {
-        let width = self.golden.width();
-        let (mut squares, mut variances) = (Sum::default(), Sum::default());
-        for i in 0..self.golden.radiance().len() {
-            if (1..width.saturating_sub(1)).contains(&(i % width)) {
-                let d = |i: usize| self.difference(i, c);
-                let second = d(i - 1) - 2.0 * d(i) + d(i + 1);
-                // The squares of 1, −2 and 1 sum to 6.
-                squares.add(self.weight(i, c) * second * second / 6.0);
-                variances.add(self.weight(i, c) * self.shape_of_noise(i, c));
-            }
-        }
-        squares.value() / variances.value()
-    }
-
-    /// Variance of a pixel of an image that does not state it, up to a factor: where the golden is known, spread as
-    /// radiance is, as in the stochastic gate.
-    fn shape_of_noise(&self, i: usize, c: usize) -> f64 {
-        match self.golden.noise() {
-            Some(noise) if noise.is_known() => self.value(i, c).abs(),
-            _ => self.golden.variance_at(i, c),
-        }
+        })
     }
 
     fn value(&self, i: usize, c: usize) -> f64 {
@@ -147,12 +101,9 @@ impl<'f> Differences<'f> {
         f64::from(self.test.radiance()[i][c]) - self.value(i, c)
     }
 
-    /// Variance of the difference.
+    /// Variance of the difference, as far as it is stated.
     fn variance(&self, i: usize, c: usize) -> f64 {
-        match self.noise_over_golden {
-            Some(ratios) => ratios[c] * self.shape_of_noise(i, c),
-            None => self.golden.variance_at(i, c) + self.test.variance_at(i, c),
-        }
+        self.golden.variance_at(i, c) + self.test.variance_at(i, c)
     }
 
     /// Weight of a difference: by relative differences, except near black.
@@ -274,50 +225,6 @@ fn is_clearly_more(share: f64, due: f64) -> bool {
     share >= WORTH_SAYING && odds(share.min(1.0)) >= ODDS * odds(due)
 }
 
-/// Values that end at one number, which nearly all that should be above it have, whatever they should be.
-/// A lamp, of one value in the golden, shows nothing of that: it may be darker as a whole.
-fn cut_off(differences: &Differences<'_>) -> Option<String> {
-    let test = differences.test.radiance();
-    let most = test.as_flattened().iter().copied().fold(0.0, f32::max);
-    let (mut cut, mut above, mut is_spread) = (0, 0, false);
-    for c in 0..3 {
-        let is_above = |&(i, value): &(usize, f64)| {
-            let beyond = value - 1.001 * f64::from(most);
-            beyond > SIGNIFICANT * differences.variance(i, c).sqrt()
-        };
-        let values = (0..test.len()).map(|i| (i, differences.value(i, c)));
-        let values = values
-            .filter(is_above)
-            .map(|(i, value)| (value, test[i][c] == most));
-        let mut values: Vec<(f64, bool)> = values.collect();
-        values.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let lamp = longest_run(&values);
-        let others = values[..lamp.start].iter().chain(&values[lamp.end..]);
-        let ends: Vec<f64> = others.clone().filter(|it| it.1).map(|it| it.0).collect();
-        above += others.count();
-        cut += ends.len();
-        is_spread |= ends.len() >= CUT_OFF && ends[ends.len() - 1] >= APART * ends[0];
-    }
-    let is_cut = most > 0.0 && is_spread && cut as f64 >= MOST_CUT_OFF * above as f64;
-    is_cut.then(|| {
-        format!("no value is above {most}, where at least {cut} values should be: they look cut off there")
-    })
-}
-
-/// The longest run of equal values, to a thousandth, in values in order.
-fn longest_run(values: &[(f64, bool)]) -> Range<usize> {
-    let (mut longest, mut start) = (0..0, 0);
-    for end in 1..=values.len() {
-        while values[end - 1].0 > 1.001 * values[start].0 {
-            start += 1;
-        }
-        if end - start > longest.len() {
-            longest = start..end;
-        }
-    }
-    longest
-}
-
 /// The factors on the channels of the golden that lead nearest to the test image, if they leave clearly less.
 fn gain(differences: &Differences<'_>, whole: f64) -> Option<String> {
     let (mut factors, mut gained) = ([1.0; 3], 0.0);
@@ -333,22 +240,21 @@ fn gain(differences: &Differences<'_>, whole: f64) -> Option<String> {
             gained += products * products / squares;
         }
     }
-    let left = 1.0 - gained / whole;
+    let rest = 1.0 - gained / whole;
     let [r, g, b] = factors.map(|factor| format!("{factor:.4}"));
-    (left <= LEFT_BY_GAIN).then(|| {
+    (rest <= LEFT_BY_GAIN).then(|| {
         format!(
             "the golden times {r} in red, {g} in green and {b} in blue, over all pixels, would leave {} of the squared \
              relative difference",
-            self::left(left)
+            left(rest)
         )
     })
 }
 
 /// Sentences on the places that hold clearly more than their share.
-fn places(differences: &Differences<'_>, shares: &Shares, border: Option<&[bool]>) -> Vec<String> {
+fn places(differences: &Differences<'_>, shares: &Shares) -> Vec<String> {
     let golden = differences.golden;
     let count = golden.radiance().len();
-    let is_at_border = |i: usize| border.is_some_and(|border| border[i]);
     let lit: Vec<usize> = (0..count).filter(|&i| differences.is_lit(i)).collect();
     let mut steepness: Vec<f64> = lit.iter().map(|&i| differences.steepness(i)).collect();
     steepness.sort_by(f64::total_cmp);
@@ -357,7 +263,7 @@ fn places(differences: &Differences<'_>, shares: &Shares, border: Option<&[bool]
     let noise = golden.noise().filter(|noise| !noise.is_known());
     let is_silent = |i: usize| noise.is_some_and(|noise| noise.variance()[i] == [0.0; 3]);
     let is_steep = |i: usize| differences.steepness(i) > steep;
-    let places: [(&str, &dyn Fn(usize) -> bool); 3] = [
+    let places: [(&str, &dyn Fn(usize) -> bool); 2] = [
         (
             "at edges: in the fifth of the lit pixels where the golden is steepest",
             &is_steep,
@@ -366,22 +272,14 @@ fn places(differences: &Differences<'_>, shares: &Shares, border: Option<&[bool]
             "in pixels without noise, such as a lamp or a sky that is seen",
             &is_silent,
         ),
-        (
-            "at the border of the volume, the silhouette of its box ({due})",
-            &is_at_border,
-        ),
     ];
-    let shown = (0..count).filter(|&i| differences.is_lit(i) || is_at_border(i));
-    let shown: Vec<usize> = shown.collect();
     let said = places.into_iter().filter_map(|(place, is)| {
-        let due = shown.iter().filter(|&&i| is(i)).count() as f64 / shown.len().max(1) as f64;
+        let due = lit.iter().filter(|&&i| is(i)).count() as f64 / lit.len().max(1) as f64;
         let share = shares.pixels(differences, is);
         (is_clearly_more(share.value, due) && share.is_at_least(due)).then(|| {
-            let due = format!("{} of the pixels that show anything", percent(due));
-            let place = place.replace("{due}", &due);
             format!(
                 "{} of the squared relative difference lies {place}",
-                percent(share.value)
+                left(share.value)
             )
         })
     });
@@ -420,12 +318,12 @@ fn in_a_box(differences: &Differences<'_>, shares: &Shares, unit: usize) -> Opti
             "nearly all of the squared relative difference lies in {} and {}, {} of the image",
             lines("column", [columns.start, columns.end - 1]),
             lines("row", [rows.start, rows.end - 1]),
-            percent(area)
+            left(area)
         )
     })
 }
 
-/// A share that is left.
+/// A share in per cent.
 pub(crate) fn left(share: f64) -> String {
     match 100.0 * share {
         percent if percent < 0.1 => "less than 0.1 %".to_owned(),
@@ -439,17 +337,5 @@ pub(super) fn lines(name: &str, [first, last]: [usize; 2]) -> String {
         format!("{name} {first}")
     } else {
         format!("{name}s {first} to {last}")
-    }
-}
-
-/// A share in per cent, rounded; never 0 for some, nor 100 for less than all.
-fn percent(share: f64) -> String {
-    match 100.0 * share {
-        all if all >= 99.95 => "all".to_owned(),
-        most if most >= 99.0 => format!("{most:.1} %"),
-        0.0 => "0 %".to_owned(),
-        least if least < 0.05 => "less than 0.1 %".to_owned(),
-        little if little < 0.95 => format!("{little:.1} %"),
-        part => format!("{part:.0} %"),
     }
 }

@@ -96,7 +96,8 @@ pub(super) const DESCRIPTION: Description = Description {
 
 /// Judges `images`, with steps h, h/2, h/4 and so on, by the limit of the last three and by
 /// `first_order`: images that rules of first order give at the smallest step. The golden has no steps; `looked_up` are
-/// its images from values that are off as much as by look-up in a table, up and down.
+/// its images from values that are off as much as by look-up in a table, up and down. Codes of 8 bits hide what steps
+/// change: none of the images is quantised.
 ///
 /// # Panics
 ///
@@ -118,9 +119,7 @@ pub(crate) fn judge_refinement(
     let changes = [[coarse, middle], [middle, fine]].map(|[a, b]| in_rms_tolerances(golden, a, b));
     let observed = log2(changes[0] / changes[1]);
     let [least, most] = ORDERS;
-    let is_still = changes[1] <= STILL
-        || changes_by_rounding(golden, middle, fine)
-        || observed < least && agrees(golden, fine);
+    let is_still = changes[1] <= STILL || observed < least && agrees(golden, fine);
     // Images that no longer change, or agree though they do, are left as they are.
     let order = if is_still { 1.0 } else { observed };
     let order = order.clamp(least, most);
@@ -135,15 +134,11 @@ pub(crate) fn judge_refinement(
     if !is_still {
         metrics.push(("observed_order", observed));
     }
-    let at_step = relative_error(golden, &images[0].nearest_to(golden));
+    let at_step = relative_error(golden, &images[0]);
     metrics.push(("error_at_step", at_step));
-    let at_finest = relative_error(golden, &fine.nearest_to(golden));
+    let at_finest = relative_error(golden, fine);
     metrics.push(("error_at_finest_step", at_finest));
-    // Extrapolation enlarges the roundings of pixels.
-    let left = match fine.quantisation() {
-        Some(_) => at_finest,
-        None => relative_error(golden, &limit),
-    };
+    let left = relative_error(golden, &limit);
     metrics.push(("error_of_limit", left));
 
     let mut step_errors = step_errors(golden, [coarse, middle, fine], order, factor);
@@ -154,10 +149,9 @@ pub(crate) fn judge_refinement(
     let [finest, before] = [fine, middle].map(means);
     let share = if is_still { SAFETY } else { OF_THE_CORRECTION };
     let mean_errors = std::array::from_fn(|c| share * (factor * (finest[c] - before[c]).abs()));
-    let changes_in_words = match fine.quantisation() {
-        _ if !is_still => order_in_words(observed),
-        Some(_) => "smaller steps change nothing that 8 bits would show".to_owned(),
-        None => "smaller steps change nothing".to_owned(),
+    let changes_in_words = match is_still {
+        true => "smaller steps change nothing".to_owned(),
+        false => order_in_words(observed),
     };
     let steps = format!(
         "{:.2} % off at the step asked for; {changes_in_words}; extrapolated, {:.3} % off",
@@ -167,17 +161,15 @@ pub(crate) fn judge_refinement(
     if !is_still && observed < least {
         let reason = format!(
             "the images do not converge: they change by {:.2} tolerances between the last two steps but \
-             one, and by {:.2} between the last two; {}; {steps}",
-            changes[0],
-            changes[1],
-            trend(golden, images)
+             one, and by {:.2} between the last two: are samples at random places, values rounded, faint samples dropped, or \
+             opacities not corrected for the step? {steps}",
+            changes[0], changes[1]
         );
         return Judgement::new(Gate::Refinement, false, reason, &metrics);
     }
     let judged = Judged {
         golden,
         image: fine,
-        // Roundings average out but for half a code, which the mean is allowed.
         mean_of: &limit,
         step_errors,
         mean_errors,
@@ -198,34 +190,6 @@ fn step_errors(
     let of_coarse = distances(coarse, middle, SAFETY * factor * exp2(-order));
     enlarge(&mut errors, &of_coarse);
     largest_around(golden, &errors)
-}
-
-/// Behaviour of images that do not converge, and its likely causes.
-fn trend(golden: &Film, images: &[Film]) -> String {
-    let brightness = |film: &Film| means(film).iter().sum::<f64>();
-    let right = brightness(golden).max(f64::MIN_POSITIVE);
-    let change = |pair: &[Film]| (brightness(&pair[1]) - brightness(&pair[0])) / right;
-    let changes: Vec<f64> = images.windows(2).map(change).collect();
-    // The means of rules that converge change by half as much with each halving, or less.
-    let goes_on = |pair: &[f64]| pair[1] / pair[0] > 0.5;
-    if !changes.windows(2).all(goes_on) {
-        return "no direction is in their changes: are samples at random places, or values rounded to few levels?"
-            .to_owned();
-    }
-    let direction = if changes[0] < 0.0 {
-        "darker"
-    } else {
-        "brighter"
-    };
-    let sizes: Vec<String> = changes
-        .iter()
-        .map(|change| format!("{:.2} %", 100.0 * change.abs()))
-        .collect();
-    format!(
-        "they become {direction} with each halving of the step, by {} of the golden's mean: is a faint \
-         sample dropped, an opacity rounded, or not corrected for the step?",
-        sizes.join(", ")
-    )
 }
 
 /// True if enough pixels are within tolerance.
@@ -420,52 +384,15 @@ impl Judged<'_> {
     }
 }
 
-/// Root mean square of the difference of two images, in tolerances of the golden, without that of roundings.
+/// Root mean square of the difference of two images, in tolerances of the golden.
 fn in_rms_tolerances(golden: &Film, a: &Film, b: &Film) -> f64 {
-    let mut squares = Sum::default();
-    let quantisations = [a, b].map(Film::quantisation);
-    let is_rounded = quantisations.iter().any(Option::is_some);
-    let codes = |right: f64| -> f64 {
-        let of = quantisations
-            .iter()
-            .flatten()
-            .map(|it| 2.0 * it.half_code(right));
-        of.map(|code| code * code).sum::<f64>().sqrt()
-    };
-    let pixels = golden.radiance().iter().zip(a.radiance()).zip(b.radiance());
-    for ((golden, a), b) in pixels {
-        for c in 0..3 {
-            let difference = f64::from(a[c]) - f64::from(b[c]);
-            let right = f64::from(golden[c]);
-            let ratio = difference / tolerance(right);
-            squares.add(ratio * ratio);
-            if is_rounded {
-                // Two independent roundings, uniform over a code: a twelfth of its square each.
-                let code = codes(right) / tolerance(right);
-                squares.add(-code * code / 12.0);
-            }
-        }
-    }
-    let mean = squares.value() / (3 * golden.radiance().len()) as f64;
-    mean.max(0.0).sqrt()
-}
-
-/// True if two quantised images differ by no more than a code and [`STILL`]: of two images with the same
-/// rounding, that may be all that the step changed.
-fn changes_by_rounding(golden: &Film, a: &Film, b: &Film) -> bool {
-    let [Some(of_a), Some(of_b)] = [a, b].map(Film::quantisation) else {
-        return false;
-    };
-    let mut squares = Sum::default();
-    let values = a.radiance().as_flattened().iter();
-    let values = values.zip(b.radiance().as_flattened());
-    for ((&a, &b), &right) in values.zip(golden.radiance().as_flattened()) {
-        let [a, b, right] = [a, b, right].map(f64::from);
-        let code = of_a.half_code(a) + of_b.half_code(b);
-        let beyond = ((a - b).abs() - 1.01 * code).max(0.0) / tolerance(right);
-        squares.add(beyond * beyond);
-    }
-    (squares.value() / (3 * golden.radiance().len()) as f64).sqrt() <= STILL
+    let values = [golden, a, b].map(|film| film.radiance().as_flattened().iter());
+    let [golden, a, b] = values.map(|values| values.copied().map(f64::from));
+    let ratios = golden
+        .zip(a.zip(b))
+        .map(|(right, (a, b))| (a - b) / tolerance(right));
+    let squares: Vec<f64> = ratios.map(|ratio| ratio * ratio).collect();
+    (squares.iter().copied().collect::<Sum>().value() / squares.len() as f64).sqrt()
 }
 
 /// Root of the sum of the squared differences, over that of the squares of the golden; in units of

@@ -44,16 +44,13 @@ pub struct ConvergenceOrder {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum OrderVerdict {
-    /// The error falls as expected.
+    /// The error falls as expected, within the tolerance and two standard errors.
     AsExpected,
-    /// Undecided: `fitted` is outside of the tolerance by less than two standard errors.
-    TooFewRays,
     /// The error falls otherwise.
     Otherwise,
-    /// Too few settings count: too coarse, or below what the reference knows.
+    /// Too few settings count, too coarse or below what the reference knows; or the order still changes from setting to
+    /// setting.
     Undecided,
-    /// The errors do not fall as a power yet: from setting to setting the order still changes.
-    NotYetAPower,
     /// Nothing is expected.
     NothingExpected,
 }
@@ -131,10 +128,7 @@ pub fn order(
     let verdict = match (expected.order, fitted) {
         (None, _) => OrderVerdict::NothingExpected,
         (Some(_), None) => OrderVerdict::Undecided,
-        (Some(order), Some(fitted)) if (fitted - order).abs() <= expected.tolerance => {
-            OrderVerdict::AsExpected
-        }
-        (Some(order), Some(fitted)) if (fitted - order).abs() <= doubt => OrderVerdict::TooFewRays,
+        (Some(order), Some(fitted)) if (fitted - order).abs() <= doubt => OrderVerdict::AsExpected,
         _ => {
             let steps = points.windows(2).filter_map(line).map(|line| line.slope);
             let (low, high) = steps.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), at| {
@@ -142,7 +136,7 @@ pub fn order(
             });
             // From setting to setting chance leaves any order; together they have one.
             if !expected.by_chance && high - low > 2.0 * doubt {
-                OrderVerdict::NotYetAPower
+                OrderVerdict::Undecided
             } else {
                 OrderVerdict::Otherwise
             }
@@ -208,9 +202,7 @@ mod tests {
     fn sweep(error: impl Fn(f64) -> f64) -> (Vec<f64>, Vec<Norms>) {
         let steps = [1.0, 0.5, 0.25, 0.125, 0.0625, 0.03125];
         let norms = |&h: &f64| Norms {
-            l1: error(h),
             l2: error(h),
-            max: 2.0 * error(h),
             uncertainty: 0.0,
         };
         (steps.to_vec(), steps.iter().map(norms).collect())
@@ -241,7 +233,7 @@ mod tests {
     fn a_floor_is_no_power() {
         let (steps, errors) = sweep(|h| 0.05 * h * h + 1e-3);
         let found = order(&steps, &errors, ExpectedOrder::of_step(2.0), 1e-12);
-        assert_eq!(found.verdict, OrderVerdict::NotYetAPower);
+        assert_eq!(found.verdict, OrderVerdict::Undecided);
     }
 
     #[test]

@@ -14,9 +14,9 @@ pub struct Evidence {
     /// The image that was judged; `None` if it is missing or unreadable.
     #[serde(skip)]
     pub test: Option<Picture>,
-    /// Images with the step of the scene, half of it, a quarter and so on, if there are several.
+    /// The image with the step of the scene, if that which was judged has a smaller one.
     #[serde(skip)]
-    pub refined: Vec<Film>,
+    pub at_step: Option<Film>,
     /// Initial exposure of the images, in stops.
     pub exposure: f64,
     /// Document and figure that the case reproduces.
@@ -56,16 +56,11 @@ impl Evidence {
         }
     }
 
-    /// Radiance of the image with the step of the scene, and of those with half of it, a quarter and so
-    /// on; none if there is no image.
-    pub fn images(&self) -> Vec<Film> {
-        match &self.test {
-            _ if !self.refined.is_empty() => self.refined.clone(),
-            test => test
-                .iter()
-                .map(|picture| picture.film(self.exposure))
-                .collect(),
-        }
+    /// Radiance of the image with the step of the scene; `None` if there is no image.
+    pub fn image(&self) -> Option<Film> {
+        let test = self.test.as_ref();
+        let of_test = || test.map(|picture| picture.film(self.exposure));
+        self.at_step.clone().or_else(of_test)
     }
 }
 

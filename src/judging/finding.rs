@@ -4,13 +4,12 @@ use super::nothing_drawn::shows_nothing;
 use super::{CaseResult, Cause, Evidence, Verdict};
 use crate::compare::{Conditions, Judgement, Picture, Sensitivity};
 use crate::conventions::Profile;
-use crate::known_answers::Formula;
 use crate::render::{Plan, plans, render};
 use crate::scene::{Panel, Precision, Sampling, Scene};
 use crate::suite::golden::{accept_advice, plan_hash, scene_hash, short};
 use crate::suite::rendering::check_class;
 use crate::suite::sensitivities;
-use crate::suite::{Case, CaseSampling, Golden, GoldenError, Quick, Store};
+use crate::suite::{Case, Golden, GoldenError, Quick, Store};
 use std::collections::BTreeMap;
 
 /// A result, and the images behind it.
@@ -169,7 +168,7 @@ impl CheckedGolden {
             ("golden", short(&of.pixels).to_owned()),
             ("accepted because", of.reason.clone()),
             match &of.truth {
-                Some(name) => ("known answer", known_answer(name)),
+                Some(name) => ("known answer", name.clone()),
                 None => ("samples per pixel", of.samples.to_string()),
             },
             ("relative error", format!("{:.2e}", of.error_estimate)),
@@ -185,53 +184,12 @@ impl CheckedGolden {
         if let Some(profile) = &self.profile {
             facts.push(("rendered under the conventions of", profile.clone()));
         }
-        let omitted = self.without();
-        if !omitted.is_empty() {
-            facts.push(("leaves out", omitted));
-        }
         for (path, hash) in &of.inputs {
             facts.push(("input", format!("{path} ({})", short(hash))));
         }
         let named = |(name, fact): (&str, String)| (name.to_owned(), fact);
         facts.into_iter().map(named).collect()
     }
-
-    /// Effects that the scene is declared to leave out, as a note.
-    pub fn omissions(&self) -> Option<String> {
-        let without = self.without();
-        let profile = self.profile.as_ref();
-        let under = profile.map_or(String::new(), |name| format!(" under the profile {name}"));
-        let note = format!("the scene{under} leaves out {without} {DECLARED}");
-        (!without.is_empty()).then_some(note)
-    }
-
-    /// Effects that the scene is declared to leave out.
-    fn without(&self) -> String {
-        // The guide speaks of volume shadow; `medium-shadow` is the name for programs.
-        let word = |name: String| match name.replace('-', " ") {
-            name if name == "medium shadow" => "volume shadow".to_owned(),
-            name => name,
-        };
-        let plans = self.plans();
-        let of_panel = |(index, plan): (usize, &Plan<'_>)| {
-            let words: Vec<String> = plan.omitted().into_iter().map(word).collect();
-            let place = match plans.len() {
-                1 => String::new(),
-                _ => format!(" in panel {}", index + 1),
-            };
-            (!words.is_empty()).then(|| words.join(", ") + &place)
-        };
-        let said: Vec<String> = plans.iter().enumerate().filter_map(of_panel).collect();
-        said.join(", ")
-    }
-}
-
-/// Ends a note on what a scene leaves out on purpose.
-const DECLARED: &str = "(declared)";
-
-/// True for a note on what the scene leaves out on purpose: it stands in a report and in JSON, and is not printed.
-pub(crate) fn is_declared(note: &str) -> bool {
-    note.ends_with(DECLARED)
 }
 
 /// Cases among which the false alarms of a suite are divided: as many as any suite has, so that
@@ -254,33 +212,46 @@ fn stale(case: &Case, scene: &Scene, golden: &Golden) -> Option<String> {
             provenance.case
         ));
     }
-    let what;
-    let what = if provenance.scene != scene_hash(scene) {
-        "the scene has changed since the golden was accepted"
-    } else if provenance.plan != plan_hash(&plans(scene)) {
-        "the plan has changed since the golden was accepted: what is simulated, or by which kernel"
-    } else if provenance.truth.as_deref() != case.truth.map(|formula| formula.name) {
-        "the truth of the case has changed since the golden was accepted"
-    } else if is_stale_class(case, provenance.quick.as_ref()) {
-        "the class of the case has changed since the golden was accepted"
-    } else if let Some(sampling) = case.sampling
-        && let Some(quick) = &provenance.quick
-        && let Some(what) = stale_sampling(sampling, quick, golden)
-    {
-        what
-    } else if provenance.exposure != case.exposure {
-        "the exposure of the case has changed since the golden was accepted"
-    } else if let Some(key) = changed_key(&provenance.judged_by, &case.judged_by) {
-        what = format!("the {key} of the case has changed since the golden was accepted");
-        &what
-    } else if size != (width, height) {
-        return Some(format!(
-            "the golden has {} × {} pixels, the scene asks for {width} × {height}; restore it \
-             from version control",
-            size.0, size.1
-        ));
-    } else {
-        return None;
+    let quick = provenance.quick.as_ref();
+    let quick_samples = case.sampling.map(|sampling| sampling.quick);
+    let converged = case.sampling.and_then(|sampling| sampling.converged);
+    let converged_samples = converged.map(|converged| u64::from(converged.samples));
+    let resolution = converged.map_or(f64::INFINITY, |it| it.resolution);
+    let changes = [
+        (provenance.scene != scene_hash(scene), "scene"),
+        (provenance.plan != plan_hash(&plans(scene)), "plan"),
+        (
+            provenance.truth.as_deref() != case.truth.map(|it| it.name),
+            "truth of the case",
+        ),
+        (is_stale_class(case, quick), "class of the case"),
+        (
+            quick_samples.is_some_and(|samples| quick.is_some_and(|it| it.samples != samples)),
+            "number of quick_samples of the case",
+        ),
+        (
+            converged_samples.is_some_and(|samples| samples != provenance.samples),
+            "number of converged_samples of the case",
+        ),
+        (provenance.exposure != case.exposure, "exposure of the case"),
+    ];
+    let key = changed_key(&provenance.judged_by, &case.judged_by);
+    let changed = changes
+        .into_iter()
+        .find_map(|(is_changed, what)| is_changed.then_some(what));
+    let changed = changed.map(str::to_owned);
+    let what = match changed.or_else(|| Some(format!("{} of the case", key?))) {
+        Some(what) => format!("the {what} has changed since the golden was accepted"),
+        None if MARGIN * provenance.error_estimate > resolution => {
+            "the golden is too noisy for the resolution that the case requires now".to_owned()
+        }
+        None if size != (width, height) => {
+            return Some(format!(
+                "the golden has {} × {} pixels, the scene asks for {width} × {height}; restore it from version control",
+                size.0, size.1
+            ));
+        }
+        None => return None,
     };
     Some(format!("stale: {what}; {}", accept_advice(case)))
 }
@@ -295,21 +266,6 @@ fn changed_key<'k>(
     changed.map(String::as_str)
 }
 
-fn stale_sampling(sampling: CaseSampling, quick: &Quick, golden: &Golden) -> Option<&'static str> {
-    let provenance = &golden.provenance;
-    if quick.samples != sampling.quick {
-        return Some("the quick_samples of the case have changed since the golden was accepted");
-    }
-    let converged = sampling.converged?;
-    if provenance.samples != u64::from(converged.samples) {
-        Some("the converged_samples of the case have changed since the golden was accepted")
-    } else if MARGIN * provenance.error_estimate > converged.resolution {
-        Some("the golden is too noisy for the resolution that the case requires now")
-    } else {
-        None
-    }
-}
-
 /// True if the renderings that the golden records are those of another class.
 fn is_stale_class(case: &Case, quick: Option<&Quick>) -> bool {
     match (case.sampling, case.truth) {
@@ -317,12 +273,4 @@ fn is_stale_class(case: &Case, quick: Option<&Quick>) -> bool {
         (None, Some(_)) => quick.is_none_or(|quick| quick.samples != 1),
         (None, None) => quick.is_some(),
     }
-}
-
-/// A formula in words.
-fn known_answer(name: &str) -> String {
-    let formula = Formula::named(name);
-    formula.map_or(name.to_owned(), |formula| {
-        format!("{name}: {}", formula.what)
-    })
 }

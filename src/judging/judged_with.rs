@@ -6,13 +6,8 @@ use crate::suite::refusal;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
-/// Settings that loosen judgements, with the names by which runs keep them, and as options.
-const LOOSENING: [(&str, &str); 4] = [
-    ("accept conventions", "--accept-conventions"),
-    ("alpha", "--alpha"),
-    ("bits", "--bits"),
-    ("resolution", "--resolution"),
-];
+/// Settings that loosen judgements, by the names by which runs keep them.
+const LOOSENING: [&str; 4] = ["accept conventions", "alpha", "bits", "resolution"];
 
 /// Settings of a run that loosen its judgements, and the cases that it did not judge.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -34,7 +29,7 @@ impl JudgedWith {
         skipped: impl IntoIterator<Item = (String, String)>,
         results: &[CaseResult],
     ) -> JudgedWith {
-        let given = LOOSENING.iter().filter_map(|(name, _)| {
+        let given = LOOSENING.iter().filter_map(|name| {
             let value = settings.get(*name).filter(|value| *value != "false")?;
             Some((name.replace(' ', "_"), value.clone()))
         });
@@ -80,17 +75,15 @@ impl JudgedWith {
         all
     }
 
-    /// In one line, such as `--bits 8, profile vtkjs; 3 cases skipped, 2 cannot be rendered`; empty where nothing
+    /// In one line, such as `--bits 8, profile vtkjs; 3 skipped, 2 cannot be rendered`; empty where nothing
     /// loosens.
     pub fn in_words(&self) -> String {
-        let option = |(name, value): (&String, &String)| {
-            let is_named = |(known, _): &&(&str, &str)| known.replace(' ', "_") == *name;
-            match LOOSENING.iter().find(is_named) {
-                Some((_, option)) => match value.strip_prefix("true") {
-                    Some(part) => format!("{option}{part}"),
-                    None => format!("{option} {value}"),
-                },
-                None => format!("{name} {value}"),
+        let option = |(name, value): (&String, &String)| match name.as_str() {
+            "profile" => format!("profile {value}"),
+            name => {
+                let option = format!("--{} {value}", name.replace('_', "-"));
+                // A flag has no value.
+                option.replacen(" true", "", 1)
             }
         };
         let settings: Vec<String> = self.settings.iter().map(option).collect();
@@ -100,12 +93,7 @@ impl JudgedWith {
         ];
         let present = counts.into_iter().filter(|(count, _)| *count > 0);
         let unjudged: Vec<String> = present
-            .enumerate()
-            .map(|(index, (count, what))| match (index, count) {
-                (0, 1) => format!("1 case {what}"),
-                (0, _) => format!("{count} cases {what}"),
-                _ => format!("{count} {what}"),
-            })
+            .map(|(count, what)| format!("{count} {what}"))
             .collect();
         let parts = [settings.join(", "), unjudged.join(", ")];
         let parts: Vec<String> = parts.into_iter().filter(|part| !part.is_empty()).collect();
@@ -136,11 +124,11 @@ mod tests {
         let skipped = ["no image", "not rendered: fog", "no image"].map(str::to_owned);
         let skipped = skipped.into_iter().map(|reason| ("a/b".to_owned(), reason));
         let of = JudgedWith::of(&settings.into(), None, skipped, &[]);
-        let said = "--accept-conventions, --bits 8; 2 cases skipped, 1 cannot be rendered";
+        let said = "--accept-conventions, --bits 8; 2 skipped, 1 cannot be rendered";
         assert_eq!(of.in_words(), said);
         let both = JudgedWith::of_runs(vec![of.clone(), JudgedWith::default()]);
         let said =
-            "--accept-conventions in part, --bits 8 in part; 2 cases skipped, 1 cannot be rendered";
+            "--accept-conventions in part, --bits 8 in part; 2 skipped, 1 cannot be rendered";
         assert_eq!(both.in_words(), said);
         assert_eq!(JudgedWith::of_runs(vec![of.clone()]), of);
         let strict = [("accept conventions".to_owned(), "false".to_owned())];

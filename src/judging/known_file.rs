@@ -48,8 +48,6 @@ struct Entry {
     bounds: [Option<f64>; 2],
     /// Line of the table.
     line: usize,
-    /// Lines of its keys.
-    lines: BTreeMap<String, usize>,
 }
 
 /// The failures of a renderer that are known.
@@ -204,27 +202,23 @@ impl Entry {
             return None;
         }
         let name = &result.name;
-        let change = |key: &str, words: String| {
-            let line = self.lines.get(key).copied().unwrap_or(self.line);
-            Some((line, format!("{name} {words}")))
-        };
+        let change = |words: String| Some((self.line, format!("{name} {words}")));
         if result.cause == Cause::None {
             let what = match self.without([&**name].into_iter()) {
                 None => format!("remove the entry [{:?}]", self.name),
                 Some(left) => format!("leave it out: write [{left:?}]"),
             };
-            return Some((KnownStatus::Mended, change("", format!("passes: {what}"))));
+            return Some((KnownStatus::Mended, change(format!("passes: {what}"))));
         }
         let is_unjudged = matches!(result.verdict, Verdict::Missing | Verdict::Inconclusive);
         if is_unjudged && self.verdict != result.verdict {
             return None;
         }
-        let otherwise =
-            |key: &str, words: String| Some((KnownStatus::Otherwise, change(key, words)));
+        let otherwise = |words: String| Some((KnownStatus::Otherwise, change(words)));
         if !self.has_verdict_of(result) {
             let verdict = result.verdict.name();
             let words = format!("is {verdict:?} now: {MEND}, or write verdict = {verdict:?}");
-            return otherwise("verdict", words);
+            return otherwise(words);
         }
         let (found, is_searched) = found_causes(result);
         if let Some(cause) = self.cause.as_deref().filter(|_| is_searched)
@@ -234,7 +228,7 @@ impl Entry {
                 Some(now) => format!("looks like {now:?} now: {MEND}, or write cause = {now:?}"),
                 None => format!("does not look like {cause:?} now: {MEND}, or remove `cause`"),
             };
-            return otherwise("cause", words);
+            return otherwise(words);
         }
         for ((key, bound), size) in BOUNDS.into_iter().zip(self.bounds).zip(Size::of(result)) {
             match (bound, size) {
@@ -243,13 +237,13 @@ impl Entry {
                     let words = format!(
                         "has a difference that cannot be measured now ({reason}): {MEND}, or remove `bound` and `share`"
                     );
-                    return otherwise(key, words);
+                    return otherwise(words);
                 }
                 (Some(bound), Some(size)) if size.least > bound => {
                     let size = size.bound;
                     let words =
                         format!("is worse, beyond the margin: {MEND}, or write {key} = {size}");
-                    return Some((KnownStatus::Worse, change(key, words)));
+                    return Some((KnownStatus::Worse, change(words)));
                 }
                 _ => {}
             }
@@ -259,7 +253,7 @@ impl Entry {
             "has a size that the entry does not bound: write {}",
             in_words(&unwritten)
         );
-        let change = (!unwritten.is_empty()).then(|| change("", words)).flatten();
+        let change = (!unwritten.is_empty()).then(|| change(words)).flatten();
         Some((KnownStatus::Known, change))
     }
 
@@ -335,7 +329,6 @@ fn entry<'s>(
         link: reader.get("link")?,
         bounds: [reader.get(BOUNDS[0])?, reader.get(BOUNDS[1])?],
         line,
-        lines: lines_of_keys(document.text, value),
     })
 }
 
@@ -344,17 +337,6 @@ fn in_words(keys: &Keys) -> String {
     let some = keys.iter();
     let some = some.filter_map(|(key, value)| Some(format!("{key} = {}", value.as_ref()?)));
     some.collect::<Vec<_>>().join(", ")
-}
-
-/// The lines of the keys of a table.
-fn lines_of_keys(text: &str, table: &Spanned<DeValue>) -> BTreeMap<String, usize> {
-    let DeValue::Table(table) = table.get_ref() else {
-        return BTreeMap::new();
-    };
-    let line = |key: &Spanned<std::borrow::Cow<str>>| {
-        (key.get_ref().to_string(), line_at(text, key.span().start))
-    };
-    table.keys().map(line).collect()
 }
 
 /// The line, from 1, of the byte at `offset`.

@@ -24,7 +24,6 @@ pub(crate) mod verify;
 pub use decide::{Looks, share_of_look};
 pub use evidence::{Evidence, Likeness};
 pub use finding::Judged;
-pub(crate) use finding::is_declared;
 pub(crate) use judged_with::JudgedWith;
 pub use known::{Known, KnownStatus};
 pub(crate) use known_failure::OF_PROFILE;
@@ -40,6 +39,6 @@ pub(crate) use self_test::{
     self_test_steps,
 };
 pub use validate::validate;
-pub(crate) use validate::{add_right_declaration, validate_at};
+pub(crate) use validate::validate_at;
 pub use verify::verify;
-pub(crate) use verify::{show_unjudged, without_case};
+pub(crate) use verify::without_case;

@@ -1,6 +1,6 @@
 //! More samples for cases that noise leaves open: a renderer is called again until each is decided.
 
-use super::{Cause, Judged, Looks, Verdict, is_declared};
+use super::{Cause, Judged, Looks, Verdict};
 use crate::compare::{Picture, are_comparable, is_of_precision};
 use crate::film::Film;
 use crate::renderers::{CallSettings, OtherRenderer, Rendered, stop_all};
@@ -21,10 +21,6 @@ const INTERRUPTED: &str = "interrupted";
 
 /// Between two looks at whether it was.
 const PAUSE: Duration = Duration::from_millis(50);
-
-/// Names of the biases that a pass would have shown.
-const SMALLEST_BIAS: &str = "smallest_visible_bias";
-const SMALLEST_BLOCK_BIAS: &str = "smallest_visible_block_bias";
 
 /// The part of the time limit of a call that a call is to take: estimates may be off by so much.
 const SAFE: f64 = 1.0 / 3.0;
@@ -70,28 +66,17 @@ impl OpenCase<'_> {
         Some((target, new * seconds / samples))
     }
 
-    /// Looks, samples, calls and time, as a note; of a pass, what it would have shown.
+    /// Looks, samples, calls and time, as a note.
     fn in_words(&self) -> String {
-        let [seconds, _] = self.spent;
-        let (looks, calls) = (self.looks.count(), self.calls);
-        let plural = |number| if number == 1 { "" } else { "s" };
-        let done = format!(
-            "{looks} look{}, {} samples per pixel, {calls} call{}, {seconds:.1} s",
-            plural(looks.into()),
+        let reason = self.given_up.as_ref();
+        let reason = reason.map_or(String::new(), |reason| format!("; {reason}"));
+        format!(
+            "looks: {}; samples per pixel: {}; calls: {}; {:.1} s{reason}",
+            self.looks.count(),
             self.looks.samples(),
-            plural(calls),
-        );
-        if let Some(reason) = &self.given_up {
-            return format!("{done}; {reason}");
-        }
-        let bias = |name| Some(100.0 * self.judged.result.metrics.get(name)?);
-        let biases = [SMALLEST_BIAS, SMALLEST_BLOCK_BIAS].map(bias);
-        match (self.judged.result.verdict, biases) {
-            (Verdict::Pass, [Some(mean), Some(block)]) => format!(
-                "{done}; a bias of {mean:.2} % of the mean, or of {block:.2} % of a block, would have been seen"
-            ),
-            _ => done,
-        }
+            self.calls,
+            self.spent[0],
+        )
     }
 }
 
@@ -290,7 +275,7 @@ impl OpenCase<'_> {
         let mut now = (self.more.judge)(self.case, rendered, look);
         let notes = std::mem::take(&mut self.judged.result.notes);
         // These are made anew for each image.
-        let is_old = |note: &String| is_of_precision(note) || is_declared(note);
+        let is_old = |note: &String| is_of_precision(note);
         let notes = notes.into_iter().filter(|note| !is_old(note));
         now.result.notes.splice(0..0, notes);
         now

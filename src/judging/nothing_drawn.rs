@@ -8,7 +8,6 @@ use crate::compare::deterministic::tolerance;
 use crate::compare::opacity;
 use crate::compare::unexplained::{UNEXPLAINED, squared_difference};
 use crate::film::Film;
-use crate::math;
 use crate::scene::{Model, Scene};
 use crate::suite::Case;
 use crate::variations::edited_film::mapped;
@@ -48,49 +47,42 @@ pub(crate) fn nothing_drawn(
     if !is_opacity_empty(&film) {
         return None;
     }
-    let of_scene = format!("the background of {}", background_in_words(&background));
     let black = mapped(&background, |_, _| (0.0, 0.0));
     // Some programs leave the background out.
-    let empty = [
-        (&background, &*of_scene, "the background"),
-        (&black, "black", "black"),
-    ];
-    empty.into_iter().find_map(|(empty, is, from)| {
-        let most = largest_difference(&film, empty)?;
-        if most == 0.0 {
-            return Some(format!("nothing was drawn: every pixel is {is}"));
+    let empty = [(&background, "the background"), (&black, "black")];
+    empty.into_iter().find_map(|(empty, name)| {
+        if is_like(&film, empty, true) {
+            return Some(format!("nothing was drawn: every pixel is {name}"));
         }
         let [shown, lacking] = [empty, golden].map(|of| squared_difference(of, &film));
-        (lacking > 0.0 && shown <= UNEXPLAINED * lacking).then(|| {
+        let is_little = lacking > 0.0 && shown <= UNEXPLAINED * lacking;
+        (is_little && is_like(&film, empty, false)).then(|| {
             format!(
-                "all but nothing was drawn: no pixel differs from {from} by more than {}",
-                two_digits(most)
+                "all but nothing was drawn: no pixel differs from {name} by more than its tolerance"
             )
         })
     })
 }
 
-/// Largest difference of a value of `film` from `empty`, 0 where all are the same but for the rounding of a file; `None`
-/// if one is larger than its tolerance and a code.
-fn largest_difference(film: &Film, empty: &Film) -> Option<f64> {
+/// True if no value of `film` is off from `empty` by more than its tolerance and a code; `exactly`, by more than the
+/// rounding of a file.
+fn is_like(film: &Film, empty: &Film, exactly: bool) -> bool {
     let codes = film.quantisation();
-    let (mut most, mut is_same) = (0.0_f64, true);
-    for (&value, &nothing) in values_of(film).zip(values_of(empty)) {
+    let mut values = values_of(film).zip(values_of(empty));
+    values.all(|(&value, &nothing)| {
         let [value, nothing] = [value, nothing].map(f64::from);
         let half_code = codes.map_or(0.0, |it| it.half_code(nothing));
-        let off = (value - nothing).abs();
-        if off > tolerance(nothing) + 2.0 * half_code {
-            return None;
-        }
-        is_same &= off <= ROUNDING * nothing + 1.001 * half_code;
-        most = most.max(off);
-    }
-    Some(if is_same { 0.0 } else { most })
+        (value - nothing).abs()
+            <= match exactly {
+                true => ROUNDING * nothing + 1.001 * half_code,
+                false => tolerance(nothing) + 2.0 * half_code,
+            }
+    })
 }
 
 /// True if `film`, an image of `scene`, is its background within the tolerance of each pixel.
 pub(super) fn shows_nothing(film: &Film, scene: &Scene) -> bool {
-    background(scene).is_some_and(|empty| largest_difference(film, &empty).is_some())
+    background(scene).is_some_and(|empty| is_like(film, &empty, false))
 }
 
 /// True if `film` states no opacity, or one of nothing.
@@ -103,23 +95,4 @@ fn is_opacity_empty(film: &Film) -> bool {
 
 fn values_of(film: &Film) -> impl Iterator<Item = &f32> {
     film.radiance().as_flattened().iter()
-}
-
-fn background_in_words(background: &Film) -> String {
-    let pixels = background.radiance();
-    match pixels.iter().all(|pixel| *pixel == pixels[0]) {
-        true => format!(
-            "the scene, ({})",
-            pixels[0].map(|x| x.to_string()).join(", ")
-        ),
-        false => "its panel".to_owned(),
-    }
-}
-
-/// A small number in two digits, rounded up but for the error of single precision.
-fn two_digits(value: f64) -> String {
-    let digits = (1.0 - math::log10(value).floor()).clamp(0.0, 12.0);
-    let scale = math::powu(10.0, digits as u32);
-    let rounded = (value * (1.0 - f64::from(f32::EPSILON)) * scale).ceil() / scale;
-    rounded.to_string()
 }

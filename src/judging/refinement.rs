@@ -1,10 +1,7 @@
 //! Images of another renderer at smaller and smaller steps, judged by the image without steps.
 
 use super::finding::CheckedGolden;
-use super::random_samples;
-use crate::compare::{
-    self as gate, Conditions, Gate, Judgement, Picture, judge_one_step, judge_refinement,
-};
+use crate::compare::{Judgement, judge_one_step, judge_refinement};
 use crate::film::Film;
 use crate::render::{plans, render};
 use crate::scene::{Classified, LastStep, Sampling, Scene};
@@ -32,53 +29,8 @@ pub fn judge(checked: &CheckedGolden, images: &[Film]) -> Judgement {
     }
     let looked_up = looked_up(&checked.scene);
     let by_rules = || first_order(&checked.scene.with_halved_steps(rest.len()));
-    let finest = &images[rest.len()];
     judge_refinement(&checked.golden.film, &looked_up, &by_rules, images)
-        .with_precision_of(&checked.golden.film, finest)
         .with_changes_of(IMAGE, first)
-}
-
-/// Judges images with the step of the scene, half of it and so on, each by the right image with its step
-/// under the profile of `checked`; `conditions` are those of the gate.
-pub fn judge_under_profile(
-    checked: &CheckedGolden,
-    images: &[Film],
-    conditions: &Conditions<'_>,
-) -> Judgement {
-    let mut worst: Option<Judgement> = None;
-    for (halvings, image) in images.iter().enumerate() {
-        let test = Picture::Radiance(image.clone());
-        let scene = checked.scene.with_halved_steps(halvings);
-        let right = random_samples::nearest(&scene, &test).unwrap_or_else(|| match halvings {
-            0 => checked.golden.film.clone(),
-            _ => rendered(&scene, |_| {}),
-        });
-        let right = Picture::Radiance(right);
-        let judged = gate::judge(Gate::Deterministic, &right, &test, conditions);
-        let mut judgement = judged.expect("both are radiance without noise");
-        if !judgement.passed {
-            let step = match halvings {
-                0 => "the step of the scene".to_owned(),
-                _ => format!("1/{} of the step of the scene", 1 << halvings),
-            };
-            judgement.reason = format!("with {step}: {}", judgement.reason);
-            return judgement;
-        }
-        let off = |judgement: &Judgement| judgement.metrics["worst_in_tolerances"];
-        if worst
-            .as_ref()
-            .is_none_or(|worst| off(worst) < off(&judgement))
-        {
-            worst = Some(judgement);
-        }
-    }
-    let mut judgement = worst.expect("three images or more");
-    judgement.reason = format!(
-        "{} images, each compared with the right one for its step; the worst: {}",
-        images.len(),
-        judgement.reason
-    );
-    judgement
 }
 
 /// Judges an image with the step of the scene.

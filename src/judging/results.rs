@@ -13,10 +13,11 @@ pub(crate) const SAME_BITS: Metric = (
 );
 
 /// The verdict on a case.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Verdict {
     /// Compared, and right.
+    #[default]
     Pass,
     /// Compared, and wrong.
     Fail,
@@ -74,7 +75,7 @@ pub enum Cause {
 }
 
 /// The outcome of one case.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct CaseResult {
     /// `family/name`.
     pub name: String,
@@ -136,27 +137,10 @@ impl CaseResult {
     /// A result without numbers, of no case yet.
     pub fn new(verdict: Verdict, cause: Cause, reason: impl Into<String>) -> CaseResult {
         CaseResult {
-            name: String::new(),
-            family: String::new(),
-            class: String::new(),
             verdict,
-            metrics: BTreeMap::new(),
-            gate: Gate::Exact,
-            reason: reason.into(),
-            notes: Vec::new(),
-            conventions: Vec::new(),
-            profile: None,
-            looks_like: Vec::new(),
-            difference: Vec::new(),
-            change_agrees: false,
-            changes: Vec::new(),
-            detectable: Vec::new(),
-            cause_is_said: false,
-            search_ended: None,
-            seconds: 0.0,
-            work: BTreeMap::new(),
-            known: None,
             cause,
+            reason: reason.into(),
+            ..CaseResult::default()
         }
     }
 

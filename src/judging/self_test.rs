@@ -44,7 +44,7 @@ pub struct CaseTrials {
     /// Outcomes by name of the mistake.
     pub mistakes: BTreeMap<String, Trial>,
     /// Benign variants tried; with the reason, if rejected.
-    pub benign: Vec<(String, Option<String>)>,
+    pub benign: BTreeMap<String, Option<String>>,
     /// Reason why its golden cannot be trusted, if so: then nothing was tried.
     pub unusable: Option<String>,
 }
@@ -68,10 +68,13 @@ impl CaseTrials {
             }
         }
         for (variant, rejection) in other.benign {
-            match self.benign.iter().find(|(name, _)| *name == variant) {
-                None => self.benign.push((variant, rejection)),
-                Some((_, known)) if *known != rejection => return None,
-                Some(_) => {}
+            if *self
+                .benign
+                .entry(variant)
+                .or_insert_with(|| rejection.clone())
+                != rejection
+            {
+                return None;
             }
         }
         Some(self)
@@ -109,11 +112,10 @@ impl BenignTrials {
     fn of(variant: &'static str, found: &[&CaseTrials]) -> BenignTrials {
         let (mut accepted, mut rejected) = (0, Vec::new());
         for of in found {
-            for (_, rejection) in of.benign.iter().filter(|(name, _)| name == variant) {
-                match rejection {
-                    None => accepted += 1,
-                    Some(reason) => rejected.push(Rejection::new(&of.case, reason)),
-                }
+            match of.benign.get(variant) {
+                None => {}
+                Some(None) => accepted += 1,
+                Some(Some(reason)) => rejected.push(Rejection::new(&of.case, reason)),
             }
         }
         BenignTrials {
@@ -229,7 +231,7 @@ pub(crate) fn case_trials(
         found.push(CaseTrials {
             case: case.name.clone(),
             mistakes: BTreeMap::new(),
-            benign: Vec::new(),
+            benign: BTreeMap::new(),
             unusable: subject.as_ref().err().cloned(),
         });
         subjects.extend(subject);
@@ -250,7 +252,7 @@ pub(crate) fn case_trials(
             let result = subject.judge(picture).result;
             let is_accepted = matches!(result.verdict, Verdict::Pass | Verdict::Inconclusive);
             let rejection = (!is_accepted).then_some(result.reason);
-            found.benign.push(((*variant).to_owned(), rejection));
+            found.benign.insert((*variant).to_owned(), rejection);
         }
         report(Step::Done);
     }

@@ -3,9 +3,9 @@
 use super::decide::cases_at;
 use super::depth::{self, DepthComparison};
 use super::finding::{CheckedGolden, MOST_CASES};
-use super::measured::{SimpleMap, codes_in_words, is_of_png, simple};
+use super::measured::{codes_in_words, gain, is_of_png};
 use super::nothing_drawn::nothing_drawn;
-use super::precision::{before_background, known, known_radiance, other_readings};
+use super::precision::{known, known_radiance, other_readings};
 use super::{CaseResult, Cause, Evidence, Judged, Verdict, random_samples, refinement};
 use crate::compare::depth::OUTLIERS_OF_DEPTH;
 use crate::compare::{
@@ -13,7 +13,7 @@ use crate::compare::{
     stochastic::is_off_by_noise,
 };
 use crate::conventions::Profile;
-use crate::film::{Alpha, Film};
+use crate::film::Film;
 use crate::scene::Model;
 use crate::suite::{Case, Output, Store};
 use std::time::Instant;
@@ -48,9 +48,10 @@ pub(crate) fn validate_at(
     });
     let mut judged = match (output, checked) {
         (Output::Picture(picture), Ok(checked)) => validate_with(case, &checked, *picture),
-        (Output::Refined(images), Ok(checked)) if case.is_limit() => {
-            validate_refined(case, &checked, images)
-        }
+        (Output::Refined(mut images), Ok(checked)) if case.is_limit() => match &checked.profile {
+            None => validate_refined(case, &checked, images),
+            Some(_) => validate_with(case, &checked, images.swap_remove(0)),
+        },
         (Output::Refined(_), Ok(checked)) => {
             let reason = "there are images with several steps, and the scene of this case states its \
                           step: only cases of class limit are judged by several; keep one image";
@@ -67,36 +68,6 @@ pub(crate) fn validate_at(
     };
     judged.result.seconds = start.elapsed().as_secs_f64();
     judged
-}
-
-/// Says of `judged`, an image of which colours are declared to be `alpha`, how they have to be declared to agree, if it is
-/// otherwise: `output` is the image as it came.
-pub(crate) fn add_right_declaration(
-    judged: &mut Judged,
-    (output, alpha): (Output, Alpha),
-    case: &Case,
-    store: &Store,
-    profile: Option<&Profile>,
-) {
-    if judged.result.verdict != Verdict::Fail {
-        return;
-    }
-    let others = [None, Some(Alpha::Premultiplied), Some(Alpha::Straight)];
-    let mut others = others.into_iter().filter(|other| *other != Some(alpha));
-    let agrees = |other: &Option<Alpha>| {
-        let output = before_background(output.clone(), *other, case);
-        validate(case, store, output, profile).result.verdict == Verdict::Pass
-    };
-    let Some(right) = others.find(agrees) else {
-        return;
-    };
-    let result = &mut judged.result;
-    let otherwise = match right {
-        None => "without --alpha: its colours contain the background".to_owned(),
-        Some(right) => format!("where its colours are declared with --alpha {right}"),
-    };
-    result.reason = format!("the image agrees {otherwise}; {}", result.reason);
-    result.cause_is_said = true;
 }
 
 /// The verdict on a case without an image to judge: a fault of its golden or scene first, since that
@@ -143,13 +114,7 @@ pub(crate) fn validate_with(case: &Case, checked: &CheckedGolden, picture: Pictu
     };
     let gate = finding.gate;
     let finding = with_what_is_asked(case, checked, &picture, finding);
-    with_evidence(
-        case,
-        checked,
-        CaseResult { gate, ..finding },
-        picture,
-        Vec::new(),
-    )
+    with_evidence(case, checked, CaseResult { gate, ..finding }, picture, None)
 }
 
 /// The `finding` on `picture` as the result of `case`, with a note on what its precision hides.
@@ -158,7 +123,7 @@ fn with_evidence(
     checked: &CheckedGolden,
     mut finding: CaseResult,
     picture: Picture,
-    refined: Vec<Film>,
+    at_step: Option<Film>,
 ) -> Judged {
     let film = picture.radiance();
     let note = film.and_then(|film| precision_in_words(finding.gate, &finding.metrics, film));
@@ -168,7 +133,7 @@ fn with_evidence(
         result: finding.of_case(&case.name, case.class(), gate),
         evidence: Evidence {
             test: Some(picture),
-            refined,
+            at_step,
             ..evidence(case, checked)
         },
     }
@@ -222,8 +187,10 @@ fn with_what_is_asked(
         return finding;
     }
     let mut reason = format!("the image agrees; {}", found.in_words(film.width()));
-    if let Some(cause) = depth::cause(&compared, asked, (&right, depth)) {
+    if let Some(cause) = depth::cause(&compared, asked, depth) {
         reason.push_str(&format!("; it is {cause}"));
+    } else {
+        reason.push_str("; write distances from the eye, in world units");
     }
     CaseResult {
         metrics: finding.metrics,
@@ -234,24 +201,20 @@ fn with_what_is_asked(
     }
 }
 
-/// Judges images with the step of the scene of `case`, half of it, a quarter and so on: by the integral, or
-/// under a profile each by the right image with its step.
+/// Judges images with the step of the scene of `case`, half of it, a quarter and so on.
 fn validate_refined(case: &Case, checked: &CheckedGolden, images: Vec<Picture>) -> Judged {
     let images = images.into_iter();
     let images = images.map(|image| known_radiance(case, &checked.golden.film, image));
-    let images: Vec<Film> = images.collect();
+    let mut images: Vec<Film> = images.collect();
+    // 8 bits hide what smaller steps change.
+    if images.iter().any(|image| image.quantisation().is_some()) {
+        return validate_with(case, checked, Picture::Radiance(images.swap_remove(0)));
+    }
+    let judgement = refinement::judge(checked, &images);
     // Images that nobody sees, such as a limit by extrapolation, are evidence of nothing.
-    let (judgement, seen) = match checked.profile {
-        Some(_) => {
-            let conditions = checked.conditions(case);
-            let judgement = refinement::judge_under_profile(checked, &images, &conditions);
-            (judgement, images.first())
-        }
-        None => (refinement::judge(checked, &images), images.last()),
-    };
-    let seen = Picture::Radiance(seen.expect("three images or more").clone());
+    let seen = Picture::Radiance(images[images.len() - 1].clone());
     let finding = with_words(case, checked, judgement, &seen);
-    with_evidence(case, checked, finding, seen, images)
+    with_evidence(case, checked, finding, seen, images.into_iter().next())
 }
 
 /// The image that `picture` is compared with. The mean of samples is compared with the mean of their
@@ -347,13 +310,12 @@ fn with_words(
         let mut readings =
             other_readings(case, (&checked.golden.film, &checked.scene), picture).into_iter();
         let right = readings.find(|reading| agrees(case, checked, &reading.film));
-        // A map of values would be the reading, measured.
-        let map = simple(case, &checked.golden.film, picture).filter(|_| right.is_none());
+        // A factor would be the reading, measured.
+        let gain = gain(case, &checked.golden.film, picture).filter(|_| right.is_none());
         // In a file made for a display a plain factor means another exposure first.
-        let is_exposure = |map: &SimpleMap| map.is_gain && is_of_png(picture);
-        finding.cause_is_said = right.is_some() || map.as_ref().is_some_and(is_exposure);
+        finding.cause_is_said = right.is_some() || gain.is_some() && is_of_png(picture);
         let mut said = Vec::from_iter(codes_in_words(picture));
-        said.extend(map.map(|map| map.words));
+        said.extend(gain);
         let nothing = nothing_drawn(case, &checked.scene, &checked.golden.film, picture);
         if let Some(nothing) = nothing.filter(|_| right.is_none()) {
             // No number of the scene is measured by what is not there, and nothing is searched.
@@ -366,7 +328,6 @@ fn with_words(
             finding.reason = said.join("; ");
         }
     }
-    finding.notes.extend(checked.omissions());
     finding.reason.extend(exposure);
     finding
 }

@@ -6,12 +6,11 @@ use super::truth::judge_by_truth;
 use super::{CaseResult, Cause, Evidence, Judged, Verdict};
 use crate::compare::{Conditions, Gate, Judgement, Picture, judge, stochastic};
 use crate::film::Film;
-use crate::known_answers::Formula;
-use crate::render::{self, plans};
+use crate::render;
 use crate::suite::ERROR_OF_TOLERANCE;
 use crate::suite::golden::{input_hashes, short};
-use crate::suite::rendering::{CaseRendering, Render, check_class, render_case};
-use crate::suite::{Answer, Case, Golden, Quick, Store, Suite, SuiteError};
+use crate::suite::rendering::{CaseRendering, Render, render_case};
+use crate::suite::{Answer, Case, Quick, Store, Suite, SuiteError};
 use std::time::Instant;
 
 /// Renders `case` and compares every bit with its golden; of a stochastic case the quick
@@ -41,12 +40,9 @@ pub(crate) fn verify_with(
         let film = render_case(render, &checked.plans(), rendering, progress)
             .map_err(|reason| CaseResult::new(Verdict::Fail, Cause::Mismatch, reason))?
             .film;
-        let mut finding = match (case.truth, quick) {
-            (_, None) => compare(&checked, &film),
-            (None, Some(quick)) => compare_sampled(&checked, quick, &film),
-            (Some(formula), Some(quick)) => {
-                compare_with_truth(case, formula, &checked, quick, &film)
-            }
+        let mut finding = match quick {
+            None => compare(&checked, &film),
+            Some(quick) => compare_pinned(case, &checked, quick, &film),
         };
         if let Some(answer) = &case.answer {
             // More random samples say more.
@@ -71,28 +67,6 @@ pub(crate) fn verify_with(
         },
         evidence,
     }
-}
-
-/// Adds what there is to look at where a case has no golden for its scene: the golden as it is, if its files are whole,
-/// and the image of the scene now.
-pub(crate) fn show_unjudged(
-    case: &Case,
-    store: &Store,
-    evidence: &mut Evidence,
-    progress: render::Progress<'_>,
-) {
-    let Ok(scene) = case.load_scene() else { return };
-    let plans = plans(&scene);
-    if check_class(case, &plans).is_err() {
-        return;
-    }
-    evidence.golden = Golden::read(store, case).ok().map(|golden| golden.film);
-    let rendering = match case.sampling {
-        Some(sampling) => CaseRendering::Quick(sampling.quick),
-        None => CaseRendering::Only,
-    };
-    let image = render_case(&render::render, &plans, rendering, progress);
-    evidence.test = image.ok().map(|image| Picture::Radiance(image.film));
 }
 
 /// Judges by the known answer, which outranks the golden.
@@ -148,9 +122,7 @@ fn compare(checked: &CheckedGolden, film: &Film) -> CaseResult {
             "the same bits as the golden ({})",
             short(&golden.provenance.pixels),
         );
-        let mut finding = CaseResult::new(Verdict::Pass, Cause::None, reason);
-        finding.notes.extend(checked.omissions());
-        return finding;
+        return CaseResult::new(Verdict::Pass, Cause::None, reason);
     }
     let pictures = [&golden.film, film].map(|film| Picture::Radiance(film.clone()));
     let gates: [Gate; 2] = [Gate::Exact, Gate::Deterministic];
@@ -165,7 +137,6 @@ fn compare(checked: &CheckedGolden, film: &Film) -> CaseResult {
         moved_inputs(checked),
     );
     let mut finding = CaseResult::new(Verdict::Fail, Cause::Mismatch, reason);
-    finding.notes.extend(checked.omissions());
     finding.metrics = tolerant.metrics;
     finding.metrics.extend(exact.metrics);
     finding
@@ -186,89 +157,54 @@ fn moved_inputs(checked: &CheckedGolden) -> String {
     format!("; input changed since the golden was made: {moved}")
 }
 
-/// The rendering against the hash of its bits and against the answer, and the golden against the
-/// formula, evaluated again.
-fn compare_with_truth(
-    case: &Case,
-    formula: &Formula,
-    checked: &CheckedGolden,
-    quick: &Quick,
-    film: &Film,
-) -> CaseResult {
-    let known = match formula.image(&checked.scene, case.footprint()) {
-        Ok(known) => known,
-        Err(reason) => return CaseResult::new(Verdict::Error, Cause::BadInput, reason),
+/// Bits against the hash of the quick rendering, and the rendering against the converged image or the known answer, which
+/// is evaluated again: a renderer that is wrong on purpose has the bits, one that was merely rearranged agrees.
+fn compare_pinned(case: &Case, checked: &CheckedGolden, quick: &Quick, film: &Film) -> CaseResult {
+    let provenance = &checked.golden.provenance;
+    let (against, mut judgement) = match case.truth {
+        None => {
+            let judgement = judge_quick(&checked.golden.film, film);
+            (format!("{} samples", provenance.samples), judgement)
+        }
+        Some(formula) => {
+            let known = match formula.image(&checked.scene, case.footprint()) {
+                Ok(known) => known,
+                Err(reason) => return CaseResult::new(Verdict::Error, Cause::BadInput, reason),
+            };
+            let mut judgement = judge_by_truth(case, &known, film);
+            if known.film.pixel_hash() != provenance.pixels {
+                judgement.passed = false;
+                judgement
+                    .reason
+                    .insert_str(0, "it does not give the bits of the golden; ");
+            }
+            (format!("the known answer {:?}", formula.name), judgement)
+        }
     };
-    let pixels = &checked.golden.provenance.pixels;
-    let is_evaluated = known.film.pixel_hash() == *pixels;
-    let against = judge_by_truth(case, &known, film);
-    let has_bits = film.pixel_hash() == quick.pixels;
-    let evaluated = if is_evaluated {
-        "which gives the bits of the golden"
-    } else {
-        "which does not give the bits of the golden"
+    let found = film.pixel_hash();
+    let has_bits = found == quick.pixels;
+    let bits = match has_bits {
+        true => "the same bits as the quick rendering".to_owned(),
+        false => format!("other bits ({}) than the quick rendering", short(&found)),
     };
-    let reason = format!(
-        "{}; against the known answer {:?}, {evaluated}: {}",
-        bits(quick, film, "its rendering"),
-        formula.name,
-        against.reason,
-    );
-    let passed = has_bits && is_evaluated && against.passed;
-    pinned(checked, passed, has_bits, reason, against)
-}
-
-/// Bits against the hash of the quick rendering, and noise against the converged image: a
-/// renderer that is wrong on purpose has the bits, one that was merely rearranged the noise.
-fn compare_sampled(checked: &CheckedGolden, quick: &Quick, film: &Film) -> CaseResult {
-    let golden = &checked.golden;
-    let judgement = judge_quick(&golden.film, film);
-    let has_bits = film.pixel_hash() == quick.pixels;
     let however = ["but", "and"][usize::from(has_bits == judgement.passed)];
-    let rendering = format!("the quick rendering of {} samples", quick.samples);
-    let reason = format!(
-        "{}, {however} against {} samples: {}",
-        bits(quick, film, &rendering),
-        golden.provenance.samples,
+    let mut reason = format!(
+        "{bits} of {} samples ({}), {however} against {against}: {}",
+        quick.samples,
+        short(&quick.pixels),
         judgement.reason,
     );
-    let passed = has_bits && judgement.passed;
-    pinned(checked, passed, has_bits, reason, judgement)
-}
-
-/// The bits of `film` beside those of the `rendering` that the golden records.
-fn bits(quick: &Quick, film: &Film, rendering: &str) -> String {
-    let (found, recorded) = (film.pixel_hash(), &quick.pixels);
-    if found == *recorded {
-        format!("the same bits as {rendering} ({})", short(recorded))
-    } else {
-        format!(
-            "other bits than {rendering} ({}, the golden says {})",
-            short(&found),
-            short(recorded)
-        )
-    }
-}
-
-/// The finding on a rendering whose bits are pinned, with the numbers of `judgement`.
-fn pinned(
-    checked: &CheckedGolden,
-    passed: bool,
-    has_bits: bool,
-    mut reason: String,
-    judgement: Judgement,
-) -> CaseResult {
-    if !passed {
-        reason.push_str(&moved_inputs(checked));
-    }
-    let mut finding = if passed {
-        CaseResult::new(Verdict::Pass, Cause::None, reason)
-    } else {
-        CaseResult::new(Verdict::Fail, Cause::Mismatch, reason)
-    };
-    finding.notes.extend(checked.omissions());
-    finding.metrics = judgement.metrics;
     let same_bits = f64::from(u8::from(has_bits));
-    finding.metrics.insert(SAME_BITS.0.to_owned(), same_bits);
-    finding
+    judgement.metrics.insert(SAME_BITS.0.to_owned(), same_bits);
+    let (verdict, cause) = match has_bits && judgement.passed {
+        true => (Verdict::Pass, Cause::None),
+        false => {
+            reason.push_str(&moved_inputs(checked));
+            (Verdict::Fail, Cause::Mismatch)
+        }
+    };
+    CaseResult {
+        metrics: judgement.metrics,
+        ..CaseResult::new(verdict, cause, reason)
+    }
 }

@@ -22,10 +22,9 @@ use super::phase_function::phase_function;
 use super::requirements::{
     dark, henyey_greenstein, only_homogeneous, require, single_scattering, without_surfaces,
 };
-use crate::geometry::Ray;
 use crate::math;
 use crate::math::quadrature::{Integral, integrate};
-use crate::optics::{Light, Point};
+use crate::optics::Light;
 use crate::scene::Radiative;
 use glam::DVec3;
 use std::f64::consts::FRAC_PI_2;
@@ -71,42 +70,25 @@ fn of(scene: &Radiative) -> Result<AlongRay<'_>, String> {
         "the medium does not attenuate every channel",
     )?;
     Ok(Box::new(move |ray| {
-        along(
-            ray,
-            light,
-            g,
-            coefficients.sigma_s(),
-            coefficients.sigma_t(),
-        )
+        let to_light = light.position - ray.origin;
+        let nearest = to_light.dot(*ray.direction);
+        let beside = (to_light - *ray.direction * nearest).length();
+        require(beside > 0.0, "the ray passes through the light")?;
+        let integrand = |phi: f64| {
+            let (sine, cosine) = (math::sin(phi), math::cos(phi));
+            // The end of the ray, where nothing is left.
+            if cosine <= 0.0 {
+                return DVec3::ZERO;
+            }
+            let way = nearest + beside * (sine + 1.0) / cosine;
+            transmittance(coefficients.sigma_t() * way) * phase_function(g, -sine)
+        };
+        let from = math::atan2(-nearest, beside);
+        let integral = integrate(integrand, from, FRAC_PI_2, TOLERANCE);
+        let factor = coefficients.sigma_s() * light.intensity / beside;
+        Ok(Integral {
+            value: integral.value * factor,
+            error: integral.error * factor.max_element(),
+        })
     }))
-}
-
-fn along(
-    ray: &Ray,
-    light: &Point,
-    g: f64,
-    sigma_s: DVec3,
-    sigma_t: DVec3,
-) -> Result<Integral, String> {
-    let to_light = light.position - ray.origin;
-    let nearest = to_light.dot(*ray.direction);
-    let beside = (to_light - *ray.direction * nearest).length();
-    require(beside > 0.0, "the ray passes through the light")?;
-    let integrand = |phi: f64| {
-        let (sine, cosine) = (math::sin(phi), math::cos(phi));
-        // The end of the ray, where nothing is left.
-        if cosine <= 0.0 {
-            return DVec3::ZERO;
-        }
-        let way = nearest + beside * (sine + 1.0) / cosine;
-        let depth = sigma_t * way;
-        transmittance(depth) * phase_function(g, -sine)
-    };
-    let from = math::atan2(-nearest, beside);
-    let integral = integrate(integrand, from, FRAC_PI_2, TOLERANCE);
-    let factor = sigma_s * light.intensity / beside;
-    Ok(Integral {
-        value: integral.value * factor,
-        error: integral.error * factor.max_element(),
-    })
 }

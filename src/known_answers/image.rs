@@ -49,7 +49,10 @@ impl Formula {
         };
         let along = (self.of)(radiative)?;
         let size = [panel.width, panel.height];
-        let rules = [POINTS, POINTS - 1].map(PixelRule::new);
+        let rules = [POINTS, POINTS - 1].map(|points| {
+            let rule = gauss_legendre(points).into_iter();
+            rule.map(|(x, w)| (0.5 + 0.5 * x, 0.5 * w)).collect()
+        });
         // The largest error of a pixel.
         let mut error = 0.0_f64;
         let mut pixels = Vec::with_capacity(size[0] * size[1]);
@@ -76,45 +79,27 @@ impl Formula {
     }
 }
 
-/// A rule for means over a square: coordinates on [0, 1] with their weights, which sum to 1.
-struct PixelRule(Vec<(f64, f64)>);
-
-impl PixelRule {
-    fn new(points: usize) -> PixelRule {
-        let rule = gauss_legendre(points).into_iter();
-        PixelRule(rule.map(|(x, w)| (0.5 + 0.5 * x, 0.5 * w)).collect())
-    }
-
-    fn mean(
-        &self,
-        camera: &Camera,
-        [column, row]: [usize; 2],
-        size: [usize; 2],
-        along: impl Fn(&Ray) -> Result<Integral, String>,
-    ) -> Result<Integral, String> {
-        let mut mean = exact(DVec3::ZERO);
-        for &(y, weight_y) in &self.0 {
-            for &(x, weight_x) in &self.0 {
+/// The mean over the square of a pixel by the finer of two rules, of coordinates on [0, 1] and weights that sum to 1; the
+/// error is their difference besides those of the rays.
+fn mean_over_square(
+    rules: &[Vec<(f64, f64)>; 2],
+    camera: &Camera,
+    [column, row]: [usize; 2],
+    size: [usize; 2],
+    along: impl Fn(&Ray) -> Result<Integral, String>,
+) -> Result<Integral, String> {
+    let mut means = [exact(DVec3::ZERO); 2];
+    for (mean, rule) in means.iter_mut().zip(rules) {
+        for &(y, weight_y) in rule {
+            for &(x, weight_x) in rule {
                 let at = [column as f64 + x, row as f64 + y];
                 let known = along(&camera.ray_through(at, size))?;
                 mean.value += known.value * (weight_x * weight_y);
                 mean.error += known.error * (weight_x * weight_y);
             }
         }
-        Ok(mean)
     }
-}
-
-/// By the finer of two rules; the error is their difference besides those of the rays.
-fn mean_over_square(
-    [fine, coarse]: &[PixelRule; 2],
-    camera: &Camera,
-    pixel: [usize; 2],
-    size: [usize; 2],
-    along: impl Fn(&Ray) -> Result<Integral, String>,
-) -> Result<Integral, String> {
-    let [fine, coarse] = [fine, coarse].map(|rule| rule.mean(camera, pixel, size, &along));
-    let (fine, coarse) = (fine?, coarse?);
+    let [fine, coarse] = means;
     let difference = (fine.value - coarse.value).abs().max_element();
     Ok(Integral {
         value: fine.value,

@@ -38,30 +38,17 @@ pub const LIT_BODY: Formula = Formula {
 };
 
 /// Light that arrives at a point: irradiance, direction of travel, and distance of its source.
-struct Arriving {
-    irradiance: DVec3,
-    direction: DVec3,
-    distance: f64,
-}
-
-fn arriving(light: &Light, point: DVec3) -> Arriving {
-    match light {
-        Light::Directional(light) => Arriving {
-            irradiance: light.irradiance,
-            direction: *light.direction,
-            distance: f64::INFINITY,
-        },
-        Light::Point(_) | Light::Spot(_) => {
-            let position = light.position().unwrap_or(DVec3::ZERO);
-            let way = point - position;
-            let distance = way.length();
-            Arriving {
-                irradiance: light.strength() / (distance * distance),
-                direction: way / distance,
-                distance,
-            }
-        }
+fn arriving(light: &Light, point: DVec3) -> (DVec3, DVec3, f64) {
+    if let Light::Directional(light) = light {
+        return (light.irradiance, *light.direction, f64::INFINITY);
     }
+    let way = point - light.position().unwrap_or(DVec3::ZERO);
+    let distance = way.length();
+    (
+        light.strength() / (distance * distance),
+        way / distance,
+        distance,
+    )
 }
 
 fn of(scene: &Radiative) -> Result<AlongRay<'_>, String> {
@@ -86,12 +73,12 @@ fn of(scene: &Radiative) -> Result<AlongRay<'_>, String> {
         };
         let scattered = |t: f64| {
             let point = ray.origin + *ray.direction * t;
-            let light = arriving(light, point);
-            let inside = shape.length(point, -light.direction, light.distance);
+            let (irradiance, direction, distance) = arriving(light, point);
+            let inside = shape.length(point, -direction, distance);
             // Light travels on to the eye, against the ray.
-            let cosine = light.direction.dot(-*ray.direction).clamp(-1.0, 1.0);
+            let cosine = direction.dot(-*ray.direction).clamp(-1.0, 1.0);
             let depth = sigma_t * (inside + (t - near));
-            light.irradiance * transmittance(depth) * phase_function(g, cosine)
+            irradiance * transmittance(depth) * phase_function(g, cosine)
         };
         let integral = integrate(scattered, near, far, TOLERANCE);
         Ok(Integral {

@@ -26,19 +26,8 @@ pub struct PlaneLayer {
     pub coefficients: Coefficients,
     /// Emission, per unit of length.
     pub emission: DVec3,
-    /// Boundary at the back of the layer.
-    pub back: Back,
-}
-
-/// Boundary at the back of a layer.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Back {
-    /// Nothing but the environment.
-    Open,
-    /// A black plane.
-    Black,
-    /// A plane that emits this radiance, and reflects none.
-    Luminous(DVec3),
+    /// Radiance of the plane at the back of the layer, which reflects none; `None` where the environment is there.
+    pub back: Option<DVec3>,
 }
 
 impl PlaneLayer {
@@ -65,7 +54,7 @@ impl PlaneLayer {
             return Err("the eye is in the layer".to_owned());
         };
         let (end, back) = match (&scene.objects[..], &scene.area_lights[..]) {
-            ([], []) => (far_face, Back::Open),
+            ([], []) => (far_face, None),
             ([object], []) => {
                 require(
                     object.material == Material::Diffuse(DVec3::ZERO),
@@ -74,7 +63,7 @@ impl PlaneLayer {
                 let Shape::Rectangle(plane) = &object.shape else {
                     return Err("its surface is not a `rectangle`".to_owned());
                 };
-                (height_of(plane, axis, min, max)?, Back::Black)
+                (height_of(plane, axis, min, max)?, Some(DVec3::ZERO))
             }
             ([], [lamp]) => {
                 let Luminous::Rectangle(plane) = &lamp.shape else {
@@ -86,7 +75,7 @@ impl PlaneLayer {
                     "its lamp shines away from the eye",
                 )?;
                 let height = height_of(plane, axis, min, max)?;
-                (height, Back::Luminous(lamp.radiance))
+                (height, Some(lamp.radiance))
             }
             _ => return Err("it has more than one surface or lamp".to_owned()),
         };
@@ -106,7 +95,7 @@ impl PlaneLayer {
     pub fn dark_and_open(scene: &Radiative) -> Result<PlaneLayer, String> {
         let layer = PlaneLayer::of(scene)?;
         dark(&scene.media[0].medium)?;
-        require(layer.back == Back::Open, "it has a surface or a lamp")?;
+        require(layer.back.is_none(), "it has a surface or a lamp")?;
         Ok(layer)
     }
 

@@ -28,7 +28,7 @@
 
 use super::exponential_integral::{e1, e2};
 use super::formula::{AlongRay, Formula};
-use super::plane_layer::{Back, PlaneLayer};
+use super::plane_layer::PlaneLayer;
 use super::requirements::require;
 use crate::math;
 use crate::math::quadrature::{Integral, gauss_legendre};
@@ -195,19 +195,10 @@ fn of(scene: &Radiative) -> Result<AlongRay<'_>, String> {
             sigma_a[c] > 0.0 || layer.emission[c] == 0.0,
             "the layer emits in a channel that it does not absorb",
         )?;
-        // Most layers are grey.
-        let same = (0..c).find(|&other| albedo[other] == albedo[c] && tau[other] == tau[c]);
-        functions.push(match same {
-            Some(other) => Slab::clone(&functions[other]),
-            None => Slab::new(albedo[c], tau[c])?,
-        });
+        functions.push(Slab::new(albedo[c], tau[c])?);
     }
     let sky = scene.environment;
-    let behind = match layer.back {
-        Back::Open => sky,
-        Back::Black => DVec3::ZERO,
-        Back::Luminous(radiance) => radiance,
-    };
+    let behind = layer.back.unwrap_or(sky);
     let emission = layer.emission;
     let error = error(tau.max_element());
     Ok(layer.along(LEAST_COSINE, move |mu| {

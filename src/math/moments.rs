@@ -32,11 +32,6 @@ impl Moments {
         self.mean
     }
 
-    /// Variance of the samples themselves, `Σ(x − mean)²/n`; 0 of no samples.
-    pub(crate) fn population_variance(&self) -> f64 {
-        self.squared_deviations / self.count.max(1) as f64
-    }
-
     /// Unbiased estimate of the variance of the distribution, `Σ(x − mean)²/(n − 1)`; `None` for
     /// fewer than two samples.
     pub fn variance(&self) -> Option<f64> {
@@ -67,7 +62,6 @@ mod tests {
     #[test]
     fn few_samples() {
         assert_eq!(Moments::default().variance(), None);
-        assert_eq!(Moments::default().population_variance(), 0.0);
         let one = Moments::from_iter([3.0]);
         assert_eq!(
             (one.mean(), one.variance(), one.variance_of_mean()),

@@ -12,7 +12,7 @@ mod profile_text;
 
 use super::likeness::{self, Predictions, Search, SearchClock, SearchStep};
 use super::shipped_profile::{self, NamedProfile};
-use crate::conventions::{CATALOGUE, ConventionSet, Profile, STEP};
+use crate::conventions::{CATALOGUE, ConventionSet, STEP};
 use crate::film::Film;
 use crate::judging::{CaseResult, Cause, Judged, OF_PROFILE, Verdict};
 use crate::scene::{Mode, Panel, Scene};
@@ -109,8 +109,6 @@ fn set_verdict(result: &mut CaseResult, accepted: bool, agreement: &str) {
 /// explains one image is tried first in the next.
 pub struct ConventionSearch<'s> {
     known: Mutex<Vec<ConventionSet>>,
-    /// The shipped profile that explained an image as a whole.
-    known_profile: Mutex<Option<&'static str>>,
     interrupted: &'s (dyn Fn() -> bool + Sync),
     progress: &'s (dyn Fn(&SearchStep) + Sync),
 }
@@ -129,7 +127,6 @@ impl<'s> ConventionSearch<'s> {
     ) -> ConventionSearch<'s> {
         ConventionSearch {
             known: Mutex::default(),
-            known_profile: Mutex::default(),
             interrupted,
             progress,
         }
@@ -139,7 +136,7 @@ impl<'s> ConventionSearch<'s> {
     /// `accepted`. The search takes at most half as much work as two cores do in `seconds`, and a note says so of one
     /// that needs more: on any machine the same. A later [search for mistakes](super::likeness) has the rest.
     ///
-    /// For an image of 8 bits, the shipped [profiles](Profile::shipped) are tried first, as they are: the search
+    /// For an image of 8 bits, the shipped [profiles](crate::conventions::Profile::shipped) are tried first, as they are: the search
     /// does not vary the roundings that they state.
     pub fn explain_mismatch(
         &self,
@@ -155,18 +152,18 @@ impl<'s> ConventionSearch<'s> {
         let Ok(scene) = case.load_scene() else {
             return;
         };
-        let tests = judged.evidence.images();
-        if !may_be_by_convention(&scene, &tests) {
+        let test = judged.evidence.image();
+        let Some(test) = test.filter(|test| may_be_by_convention(&scene, test)) else {
             return;
-        }
+        };
         let predictions = Predictions::default();
         let search = self.within(Some(OF_CONVENTIONS * seconds), &predictions);
         let clock = SearchClock::start(&search, &case.name, 0);
         let images = Images::of(&scene, &clock);
-        let profile = self.profile(case, store, &scene, judged, &images);
+        let profile = shipped_profile::passing(case, store, judged, &images);
         let found = match &profile {
             Some(_) => None,
-            None => self.explain_by(case, &tests, &images),
+            None => self.explain_by(case, &test, &images),
         };
         let is_open = profile.is_none() && found.is_none() && clock.is_over();
         judged.evidence.work_of_search = clock.work();
@@ -199,46 +196,27 @@ impl<'s> ConventionSearch<'s> {
         }
     }
 
-    /// The profile that volref brings under which an image of 8 bits agrees; first the one that explained
-    /// another.
-    fn profile(
-        &self,
-        case: &Case,
-        store: &Store,
-        scene: &Scene,
-        judged: &Judged,
-        images: &Images<'_>,
-    ) -> Option<NamedProfile> {
-        let known = *self.known_profile.lock().expect("no panic holds it");
-        let others = Profile::shipped().filter(|name| Some(*name) != known);
-        let names: Vec<&str> = known.into_iter().chain(others).collect();
-        let found = shipped_profile::passing(&names, case, store, scene, judged, images)?;
-        *self.known_profile.lock().expect("no panic holds it") = Some(found.0);
-        Some(found)
-    }
-
-    /// The fewest conventions, of those tried, under which `images` pass as images of `case`: one with the
-    /// step of the scene, and any with half of it, a quarter and so on. `None` if there are none, or none were found
+    /// The fewest conventions, of those tried, under which `image` passes as one of `case`. `None` if there are none, or none were found
     /// with as much work as two cores do in these `seconds`.
     pub fn explain(
         &self,
         case: &Case,
         scene: &Scene,
-        images: &[Film],
+        image: &Film,
         seconds: Option<f64>,
     ) -> Option<Explained> {
-        if !may_be_by_convention(scene, images) {
+        if !may_be_by_convention(scene, image) {
             return None;
         }
         let predictions = Predictions::default();
         let search = self.within(seconds, &predictions);
         let clock = SearchClock::start(&search, &case.name, 0);
-        self.explain_by(case, images, &Images::of(scene, &clock))
+        self.explain_by(case, image, &Images::of(scene, &clock))
     }
 
-    /// [`explain`](Self::explain) of `tests` by `images` of the scene.
-    fn explain_by(&self, case: &Case, tests: &[Film], images: &Images<'_>) -> Option<Explained> {
-        let attempt = Attempt::new(case.exposure, tests, images);
+    /// [`explain`](Self::explain) of `test` by `images` of the scene.
+    fn explain_by(&self, case: &Case, test: &Film, images: &Images<'_>) -> Option<Explained> {
+        let attempt = Attempt::new(case.exposure, test, images);
         let known = self.known.lock().expect("no panic holds it").clone();
         let from_before = known.into_iter().find_map(|set| {
             let but_for = attempt.agreement_if_near(&set)?;
@@ -262,16 +240,14 @@ impl<'s> ConventionSearch<'s> {
     }
 }
 
-/// True of images of single classified volumes in the size of `scene`, of more than one colour.
-fn may_be_by_convention(scene: &Scene, images: &[Film]) -> bool {
+/// True of an image of single classified volumes in the size of `scene`, of more than one colour.
+fn may_be_by_convention(scene: &Scene, image: &Film) -> bool {
     let is_classified = |panel: &Panel| {
         let volume = panel.classified();
         volume.is_some_and(|volume| volume.mode == Mode::Composited && !volume.has_objects())
     };
-    images.first().is_some_and(|first| {
-        // No convention makes an image of one colour, such as black, of a volume.
-        let has_colours = first.radiance().windows(2).any(|pair| pair[0] != pair[1]);
-        let is_of_size = [first.width(), first.height()] == [scene.width(), scene.height()];
-        is_of_size && has_colours && scene.panels.iter().all(is_classified)
-    })
+    // No convention makes an image of one colour, such as black, of a volume.
+    let has_colours = image.radiance().windows(2).any(|pair| pair[0] != pair[1]);
+    let is_of_size = [image.width(), image.height()] == [scene.width(), scene.height()];
+    is_of_size && has_colours && scene.panels.iter().all(is_classified)
 }

@@ -4,19 +4,17 @@
 //! [catalogue](crate::variations::mistakes) would give: mistakes of the image are applied to the golden, those
 //! of the scene are rendered, first with few pixels or samples, the nearest ones with more. A mistake explains an image
 //! if the image that it makes passes for it. Among several, the nearest comes first. If none does, the usual pairs are
-//! tried, then changes of parameters. Cases that passed contradict mistakes that would have shown in them.
+//! tried, then changes of parameters.
 //!
 //! What explains one case is tried first in the others, so a mistake that affects a whole suite is searched once. The
 //! search of a case has a [budget](Search).
 
 mod clock;
 mod compared_case;
-mod explanation;
 mod fit;
 mod hypothesis;
 mod predictions;
 mod predictor;
-mod silhouette;
 
 pub(super) use clock::SearchClock;
 pub use clock::{Search, SearchStep, Stage};
@@ -24,12 +22,12 @@ pub use predictions::Predictions;
 pub(super) use predictor::{lattice_of, pixels_of};
 
 use crate::conventions::Profile;
-use crate::judging::{CaseResult, Cause, Judged, Likeness, Verdict};
+use crate::judging::{CaseResult, Judged, Likeness, Verdict};
 use crate::suite::Case;
 use crate::variations::mistakes;
 use compared_case::ComparedCase;
-use explanation::{Explanation, contradict};
 use fit::Fitted;
+use hypothesis::Hypothesis;
 use std::cmp::Reverse;
 use std::collections::BTreeMap;
 
@@ -56,10 +54,6 @@ pub struct Likenesses {
     pub unfinished: Vec<SearchStep>,
     /// Results of cases that no mistake explains.
     pub unexplained: Vec<CaseResult>,
-    /// Names of cases whose search for conventions ended at the limit of its work.
-    pub with_open_conventions: Vec<String>,
-    /// True if the images were judged by a profile, so that no other conventions were looked for.
-    pub under_a_profile: bool,
 }
 
 impl Likenesses {
@@ -78,16 +72,11 @@ impl Likenesses {
 
     /// Words on `case`, or on all, that nothing known explains.
     pub(crate) fn nothing_known(&self, case: Option<&str>) -> &'static str {
-        let mut open = self.with_open_conventions.iter();
         let is_asked = |it: &&CaseResult| case.is_none_or(|case| case == it.name);
         let mut asked = self.unexplained.iter().filter(is_asked).peekable();
         let is_undecidable = |it: &CaseResult| it.difference.iter().any(|it| it == UNDECIDABLE);
         if asked.peek().is_some() && asked.all(is_undecidable) {
             "noise leaves the cause open"
-        } else if self.under_a_profile {
-            "no known mistake explains it under this profile"
-        } else if open.any(|open| case.is_none_or(|case| case == open)) {
-            "no known mistake explains it, and not all conventions were tried"
         } else {
             "no cause found"
         }
@@ -137,43 +126,38 @@ pub fn likeness(
         let under = profile.and_then(|profile| profile.applied_to(&scene).ok().flatten());
         Some(under.unwrap_or(scene))
     };
-    let (mut failing, mut passing) = (Vec::new(), Vec::new());
+    let mut failing = Vec::new();
     for (index, judged) in judged.iter().enumerate() {
         let case = cases.iter().find(|case| case.name == judged.result.name);
         let Some(case) = case else { continue };
-        match judged.result.cause {
-            Cause::Mismatch if judged.differs() => {
-                failing.extend(ComparedCase::new(index, case, judged, &scenes));
-            }
-            Cause::None | Cause::Undecided => passing.push((index, *case)),
-            _ => {}
+        if judged.differs() {
+            failing.extend(ComparedCase::new(index, case, judged, &scenes));
         }
     }
     let mut diagnosis = Diagnosis::default();
-    let open: Vec<(usize, SearchClock<'_>)> = (0..failing.len())
-        .filter_map(|at| Some((at, diagnosis.search(&failing, at, search)?)))
-        .collect();
-    for (at, clock) in open {
-        diagnosis.fit(&failing[at], clock.resumed());
+    for at in 0..failing.len() {
+        diagnosis.search(&failing, at, search);
     }
     let Diagnosis {
-        mut explanations,
+        explanations,
         close,
         mut fitted,
         unfinished,
     } = diagnosis;
-    explanations.sort_by_cached_key(Explanation::rank);
-    let passed =
-        |(index, case): (usize, &Case)| ComparedCase::new(index, case, &judged[index], &scenes);
-    contradict(&mut explanations, passing, &passed, search);
-    explanations.sort_by_cached_key(Explanation::rank);
+    let mut explanations: Vec<_> = explanations.into_iter().collect();
+    // Many cases first, then one mistake rather than two, small distances, and the order of the catalogue.
+    explanations.sort_by_cached_key(|(hypothesis, left)| {
+        let sum: f64 = left.values().map(|left| left.max(0.0)).sum();
+        // Positive numbers are ordered as their bits are.
+        let mean = (sum / left.len() as f64).to_bits();
+        (Reverse(left.len()), hypothesis.mistakes().count(), mean)
+    });
     let mut unexplained = Vec::new();
     for failed in &failing {
         let Judged { result, evidence } = &mut judged[failed.index];
-        let explains = explanations
-            .iter()
-            .filter(|it| it.left.contains_key(&failed.index));
-        let names = explains.map(|it| it.hypothesis.name());
+        let explanations = explanations.iter();
+        let explains = explanations.filter(|(_, left)| left.contains_key(&failed.index));
+        let names = explains.map(|(hypothesis, _)| hypothesis.name());
         result.looks_like = names.take(MOST_NAMED).collect();
         let was_cut = unfinished.iter().any(|search| search.case == result.name);
         result.search_ended = Some(!was_cut && !evidence.conventions_are_open);
@@ -181,8 +165,8 @@ pub fn likeness(
         result.change_agrees = fit.agrees;
         if result.looks_like.is_empty() {
             result.difference = measured(failed, fit, close.get(&failed.index));
-            // A simple map that explains all is in the verdict.
-            if failed.simple.is_none() || !result.difference.is_empty() {
+            // A gain that explains all is in the verdict.
+            if !failed.is_gain || !result.difference.is_empty() {
                 unexplained.push(result.clone());
             }
         } else if fit.agrees {
@@ -190,23 +174,19 @@ pub fn likeness(
             result.difference = fit.sentence.into_iter().collect();
         }
     }
-    let with_open_conventions = judged.iter().filter(|it| it.evidence.conventions_are_open);
     Likenesses {
-        with_open_conventions: with_open_conventions
-            .map(|it| it.result.name.clone())
-            .collect(),
         likely: likely(judged.iter().map(|it| &it.result)),
         searched: failing.len(),
         unfinished,
         unexplained,
-        under_a_profile: profile.is_some(),
     }
 }
 
 /// Findings on failing cases, by index of the result.
 #[derive(Default)]
 struct Diagnosis {
-    explanations: Vec<Explanation>,
+    /// What each hypothesis leaves of the differences that it explains.
+    explanations: BTreeMap<Hypothesis, BTreeMap<usize, f64>>,
     /// The nearest mistake that does not explain a case, in words.
     close: BTreeMap<usize, String>,
     fitted: BTreeMap<usize, Fitted>,
@@ -214,17 +194,11 @@ struct Diagnosis {
 }
 
 impl Diagnosis {
-    /// Searches the mistakes behind the failing case `at`; returns the clock if parameters are to be fitted after the
-    /// mistakes of all cases.
-    fn search<'s>(
-        &mut self,
-        failing: &[ComparedCase],
-        at: usize,
-        search: &'s Search<'_>,
-    ) -> Option<SearchClock<'s>> {
+    /// Searches the mistakes behind the failing case `at`, and fits parameters where there are none.
+    fn search(&mut self, failing: &[ComparedCase], at: usize, search: &Search<'_>) {
         let failed = &failing[at];
         let clock = SearchClock::start(search, &failed.name, failed.spent);
-        let known = self.explanations.iter().map(|it| it.hypothesis).collect();
+        let known = self.explanations.keys().copied().collect();
         let mut found = failed.search_among(known, false, &clock);
         if found.explaining.is_empty() {
             found = failed.search(&clock);
@@ -241,46 +215,26 @@ impl Diagnosis {
             is_a_number = fit.agrees;
             self.fitted.insert(failed.index, fit);
         }
-        for (hypothesis, _) in &found.explaining {
-            // Cases after this one try what is known by then.
-            let mut known = self.explanations.iter();
-            if known.all(|it| it.hypothesis != *hypothesis) {
-                let mut explanation = Explanation::new(*hypothesis);
-                for other in &failing[..at] {
-                    let found = other
-                        .search_among(vec![*hypothesis], false, &clock)
-                        .explaining;
-                    explanation
-                        .left
-                        .extend(found.first().map(|(_, left)| (other.index, *left)));
-                }
-                self.explanations.push(explanation);
-            }
-        }
         let is_explained = !found.explaining.is_empty();
         for (hypothesis, left) in found.explaining {
-            let mut known = self.explanations.iter_mut();
-            let known = known.find(|it| it.hypothesis == hypothesis);
-            known.expect("it was added").left.insert(failed.index, left);
+            let is_new = !self.explanations.contains_key(&hypothesis);
+            let of = self.explanations.entry(hypothesis).or_default();
+            of.insert(failed.index, left.value);
+            // Cases after this one try what is known by then.
+            for other in failing[..at].iter().filter(|_| is_new) {
+                let found = other.search_among(vec![hypothesis], false, &clock);
+                let left = found.explaining.first();
+                of.extend(left.map(|(_, left)| (other.index, left.value)));
+            }
         }
         self.close
             .extend(found.close.map(|(_, words)| (failed.index, words)));
-        let goes_on = failed.is_decidable() && failed.simple.is_none() && !failed.is_of_opacity;
+        let goes_on = failed.is_decidable() && !failed.is_gain && !failed.is_of_opacity;
         if !is_explained && goes_on && !is_a_number && !clock.is_late() {
-            return Some(clock);
-        }
-        self.unfinished.extend(clock.unfinished());
-        None
-    }
-
-    /// Fits parameters to a case, unless a mistake of another one has explained it since.
-    fn fit(&mut self, failed: &ComparedCase, clock: SearchClock<'_>) {
-        let mut explained = self.explanations.iter();
-        if !explained.any(|it| it.left.contains_key(&failed.index)) {
             let fit = || failed.fitted(&clock);
             self.fitted.entry(failed.index).or_insert_with(fit);
-            self.unfinished.extend(clock.unfinished());
         }
+        self.unfinished.extend(clock.unfinished());
     }
 }
 
@@ -291,7 +245,7 @@ pub(super) fn is_plainly_explained(case: &Case, judged: &Judged, search: &Search
     let failed = ComparedCase::new(0, case, judged, &scenes);
     failed.is_some_and(|failed| {
         let clock = SearchClock::start(search, &failed.name, failed.spent);
-        failed.is_gain() || !failed.search(&clock).explaining.is_empty()
+        failed.is_gain || !failed.search(&clock).explaining.is_empty()
     })
 }
 

@@ -18,28 +18,31 @@ use crate::suite::{Case, Output, Store};
 /// A profile that volref brings, by its name.
 pub type NamedProfile = (&'static str, Profile);
 
-/// The first of the profiles of these `names`, of renderers of 8 bits, under which the images behind `judged`
-/// pass. Their work counts as that of `images`, so that no verdict depends on the machine or on other cases.
+/// The first of the profiles that volref brings, of renderers of 8 bits, under which the image behind `judged`
+/// passes. Their work counts as that of `images`, so that no verdict depends on the machine or on other cases.
 pub fn passing(
-    names: &[&'static str],
     case: &Case,
     store: &Store,
-    scene: &Scene,
     judged: &Judged,
     images: &Images<'_>,
 ) -> Option<NamedProfile> {
-    for (tried, &name) in names.iter().enumerate() {
-        images.clock.report(Stage::Profiles, tried, names.len());
+    let scene = images.scene;
+    let count = Profile::shipped().count();
+    for (tried, name) in Profile::shipped().enumerate() {
+        images.clock.report(Stage::Profiles, tried, count);
         let Ok(profile) = Profile::named(name) else {
             continue;
         };
-        let Some(output) = output_of(judged, &profile, case.exposure) else {
+        let evidence = &judged.evidence;
+        let at_step = evidence.at_step.clone().map(Picture::Radiance);
+        let picture = at_step.or_else(|| evidence.test.clone());
+        let of_profile = picture.and_then(|it| in_precision_of(&profile, it, case.exposure));
+        let Some(test) = of_profile.filter(|test| is_near(test, &profile, scene, images)) else {
             continue;
         };
-        if !is_near(&output, &profile, scene, images) {
-            continue;
-        }
-        let judged_by = |profile| validate(case, store, output.clone(), profile);
+        let picture = Picture::Radiance(test);
+        let output = || Output::Picture(Box::new(picture.clone()));
+        let judged_by = |profile| validate(case, store, output(), profile);
         let passes = |judged: &Judged| judged.result.verdict == Verdict::Pass;
         let under_profile = judged_by(Some(&profile));
         // Not of an image that is right but for the curve of its codes, which the verdict says.
@@ -56,24 +59,14 @@ pub fn passing(
 /// True if the right image by which `judged` passed makes what its image shows of `scene`.
 fn makes_what_shows_in(judged: &Judged, scene: &Scene) -> bool {
     let right = judged.evidence.golden.as_ref();
-    let images = judged.evidence.images();
-    let known = right.zip(images.first()).zip(background(scene));
-    known.is_some_and(|((right, test), nothing)| makes_what_shows(right, test, &nothing))
+    let known = right.zip(judged.evidence.image()).zip(background(scene));
+    known.is_some_and(|((right, test), nothing)| makes_what_shows(right, &test, &nothing))
 }
 
-/// True if few pixels do not rule out `profile`, and the whole images may be rendered within the limit of the work,
-/// which counts them.
-fn is_near(output: &Output, profile: &Profile, scene: &Scene, images: &Images<'_>) -> bool {
-    // With half the step, a quarter and so on.
-    let (test, steps) = match output {
-        Output::Picture(picture) => (picture.radiance(), 1),
-        Output::Refined(refined) => {
-            let of_all = (1 << refined.len().clamp(1, 32)) - 1;
-            (refined.first().and_then(Picture::radiance), of_all)
-        }
-        Output::Missing(_) | Output::Unusable(_) => (None, 0),
-    };
-    let (Some(test), Ok(Some(under))) = (test, profile.applied_to(scene)) else {
+/// True if few pixels do not rule out `profile`, and the whole image may be rendered within the limit of the work,
+/// which counts it.
+fn is_near(test: &Film, profile: &Profile, scene: &Scene, images: &Images<'_>) -> bool {
+    let Ok(Some(under)) = profile.applied_to(scene) else {
         return false;
     };
     let pixels = test.width() * test.height();
@@ -91,8 +84,7 @@ fn is_near(output: &Output, profile: &Profile, scene: &Scene, images: &Images<'_
     }
     let share = on_lattice.radiance().len() as f64 / pixels as f64;
     let of_lattice = (images.clock.work() - before) as f64;
-    let of_all = f64::from(steps) * of_lattice / share;
-    images.clock.spend(of_all as u64)
+    images.clock.spend((of_lattice / share) as u64)
 }
 
 /// True if the right images by which both were judged pass for each other: then a profile explains nothing.
@@ -105,20 +97,9 @@ fn are_alike(first: &Judged, second: &Judged) -> bool {
     judgement.is_ok_and(|judgement| judgement.passed)
 }
 
-/// The images behind `judged` in the precision of `profile`; `None` if they have another, or if there are none.
-fn output_of(judged: &Judged, profile: &Profile, exposure: f64) -> Option<Output> {
-    let of = |picture: Picture| in_precision_of(profile, picture, exposure);
-    let evidence = &judged.evidence;
-    if evidence.refined.is_empty() {
-        return Some(Output::Picture(Box::new(of(evidence.test.clone()?)?)));
-    }
-    let refined = evidence.refined.iter().cloned().map(Picture::Radiance);
-    Some(Output::Refined(refined.map(of).collect::<Option<_>>()?))
-}
-
 /// `picture` with the codes of `profile`; `None` if it has others. What a renderer of 8 bits may be off by is
 /// forgiven in images of 8 bits alone.
-fn in_precision_of(profile: &Profile, picture: Picture, exposure: f64) -> Option<Picture> {
+fn in_precision_of(profile: &Profile, picture: Picture, exposure: f64) -> Option<Film> {
     let bits = profile.bits?;
     let film = match picture {
         Picture::Radiance(film) => film,
@@ -143,5 +124,5 @@ fn in_precision_of(profile: &Profile, picture: Picture, exposure: f64) -> Option
         blended,
         ..quantisation
     };
-    Some(Picture::Radiance(film.quantised(quantisation)))
+    Some(film.quantised(quantisation))
 }

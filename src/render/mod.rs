@@ -20,7 +20,7 @@ pub mod radiative;
 
 pub use crate::scene::{Sampling, Seed};
 pub(crate) use classified::curve::PlotLayout;
-pub use classified::depth::{depth, first_opacity};
+pub use classified::depth::depth;
 pub use counters::{Counters, Event};
 pub use error::RenderError;
 pub use footprint::{Footprint, footprint};

@@ -1,7 +1,7 @@
 //! Results for build servers.
 
 use super::template::xml;
-use crate::judging::{CaseResult, Cause, JudgedWith, Known, KnownStatus, Verdict, is_declared};
+use crate::judging::{CaseResult, Cause, JudgedWith, Known, KnownStatus, Verdict};
 use minijinja::{Value, context};
 use std::collections::BTreeMap;
 
@@ -66,8 +66,7 @@ fn test_case(result: &CaseResult) -> Value {
         Some(known) => format!("{known}; {said}"),
         None => said,
     };
-    let notes = result.notes.iter().filter(|note| !is_declared(note));
-    let notes: Vec<&str> = notes.map(String::as_str).collect();
+    let notes: Vec<&str> = result.notes.iter().map(String::as_str).collect();
     context! {
         name => result.name,
         seconds => format!("{:.3}", result.seconds),

@@ -1,7 +1,7 @@
 //! Results for people.
 
 use crate::conventions::Profile;
-use crate::judging::{CaseResult, JudgedWith, KnownStatus, Verdict, is_declared};
+use crate::judging::{CaseResult, JudgedWith, KnownStatus, Verdict};
 use crate::naming::Likenesses;
 use crate::suite::ERROR_OF_TOLERANCE;
 use std::collections::BTreeMap;
@@ -91,8 +91,7 @@ pub fn verdict_text(result: &CaseResult, widest: usize) -> String {
         (None, None) if result.verdict == Verdict::Convention => below.push(accepts.to_owned()),
         (None, None) => {}
     }
-    let notes = result.notes.iter().filter(|note| !is_declared(note));
-    below.extend(notes.map(|note| format!("note: {note}")));
+    below.extend(result.notes.iter().map(|note| format!("note: {note}")));
     for line in below {
         text.push_str(&format!("              {line}\n"));
     }

@@ -57,18 +57,15 @@ pub fn number(scene: &Scene, name: &str) -> Result<Number, String> {
         return Ok(number.clone());
     }
     let names: Vec<String> = numbers.iter().map(Number::name).collect();
-    if names.is_empty() {
-        return Err(format!(
-            "this scene has no parameter {name:?}: a plot has none"
-        ));
-    }
-    Err(match nearest(name, names.iter().map(String::as_str)) {
-        Some(near) => format!("this scene has no parameter {name:?}; did you mean {near:?}?"),
-        None => format!(
-            "this scene has no parameter {name:?}; it has {}",
-            names.join(", ")
-        ),
-    })
+    let near = nearest(name, names.iter().map(String::as_str));
+    let near = near.map_or(String::new(), |near| format!("; did you mean {near:?}?"));
+    let all = match names.is_empty() {
+        true => "none".to_owned(),
+        false => names.join(", "),
+    };
+    Err(format!(
+        "this scene has no parameter {name:?}{near}; it has {all}"
+    ))
 }
 
 /// The numbers of each of `count` items, with its index where there are several.

@@ -104,7 +104,7 @@ fn what_is_mended_worse_or_otherwise_is_red_with_the_line() {
     };
     said(
         &folder,
-        "known.toml:14: smoke/shadow is worse, beyond the margin: mend the renderer, or write bound = ",
+        "known.toml:12: smoke/shadow is worse, beyond the margin: mend the renderer, or write bound = ",
     );
     assert_eq!(status(&folder, "smoke/shadow"), "worse");
     folder.write("known.toml", KNOWN);
@@ -112,7 +112,7 @@ fn what_is_mended_worse_or_otherwise_is_red_with_the_line() {
     darken(&folder, "smoke/nearest", 0.5);
     said(
         &folder,
-        "known.toml:9: smoke/nearest is \"fail\" now: mend the renderer, or write verdict = \"fail\"",
+        "known.toml:8: smoke/nearest is \"fail\" now: mend the renderer, or write verdict = \"fail\"",
     );
     assert_eq!(status(&folder, "smoke/nearest"), "otherwise");
     folder.write("out/smoke/nearest.exr", "no image");
@@ -160,7 +160,7 @@ fn a_cause_counts_where_it_was_searched() {
     folder.write("known.toml", listed("bright-halved"));
     folder.volref(searched).expect(0, "");
     folder.write("known.toml", listed("step-doubled"));
-    let told = "known.toml:2: smoke/plain looks like \"bright-halved\" now: mend the renderer, or write cause = \"bright-halved\"";
+    let told = "known.toml:1: smoke/plain looks like \"bright-halved\" now: mend the renderer, or write cause = \"bright-halved\"";
     folder.volref(searched).prints(1, &[told]);
 }
 
@@ -241,7 +241,7 @@ fn the_share_of_the_image_is_bounded_too() {
         "out/smoke/shadow.exr",
         &volref::film::Film::new(12, 10, film),
     );
-    let told = "known.toml:4: smoke/shadow is worse, beyond the margin: mend the renderer, or write share = 1";
+    let told = "known.toml:1: smoke/shadow is worse, beyond the margin: mend the renderer, or write share = 1";
     validate("").prints(1, &[told]);
 }
 

@@ -693,8 +693,7 @@ fn what_loosens_a_judgement_is_said() {
     ];
     let command = ["validate", "smoke", "--outputs", "out", "--explain", "0"];
     let run = folder.volref(&[&command[..], &loose, &files].concat());
-    let said =
-        "--accept-conventions, --alpha straight, profile mine, --resolution 5; 2 cases skipped";
+    let said = "--accept-conventions, --alpha straight, profile mine, --resolution 5; 2 skipped";
     assert!(
         run.stdout.contains(&format!("judged with: {said}\n")),
         "{}",
@@ -740,7 +739,7 @@ fn cases_that_cannot_be_rendered_are_counted() {
     folder.write("renderer.sh", answer);
     let command = ["validate", "smoke", "--serve", "sh renderer.sh"];
     let run = folder.volref(&command);
-    run.prints(4, "judged with: 3 cases cannot be rendered\n");
+    run.prints(4, "judged with: 3 cannot be rendered\n");
 }
 
 /// An image under other conventions is no mistake: it is said which, and it passes under a profile.

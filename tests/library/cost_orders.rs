@@ -96,11 +96,7 @@ fn steps_with_shading_and_shadow() {
         "with both",
     ];
     assert_eq!(effects, alone);
-    assert!(
-        lit.recommendations[0]
-            .text
-            .contains("the scene's own steps of 0.5 voxels")
-    );
+    assert!(lit.recommendations[0].text.contains("steps of 0."));
 }
 
 /// What else is sampled has a price, too, though no order that is known: projections, several volumes among clips.
@@ -129,7 +125,6 @@ fn samples_per_pixel() {
     assert_eq!(names(&cost), ["samples"]);
     let found = &cost.sweeps[0].order;
     println!("{found:?}");
-    let expected = [OrderVerdict::AsExpected, OrderVerdict::TooFewRays];
     assert_eq!(found.expected, Some(-0.5));
-    assert!(expected.contains(&found.verdict), "{found:?}");
+    assert_eq!(found.verdict, OrderVerdict::AsExpected, "{found:?}");
 }

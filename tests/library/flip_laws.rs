@@ -4,7 +4,7 @@ use crate::support::pairs::{Pair, constant, image, random_pixel, varied};
 use crate::support::plain_flip::{colour_difference, plain_flip};
 use proptest::prelude::*;
 use volref::compare::flip::{
-    DEFAULT_PIXELS_PER_DEGREE, ErrorMap, FlipError, SrgbImage, flip, pixels_per_degree,
+    DEFAULT_PIXELS_PER_DEGREE, ErrorMap, SrgbImage, flip, pixels_per_degree,
 };
 
 const PPD: f64 = DEFAULT_PIXELS_PER_DEGREE;
@@ -105,28 +105,14 @@ fn the_number_of_threads_changes_no_bit() {
 #[test]
 fn bad_input_is_refused() {
     let (small, large) = (constant(2, 3, [0; 3]), constant(3, 2, [0; 3]));
-    assert_eq!(
-        flip(&small, &large, PPD),
-        Err(FlipError::Size {
-            reference: (2, 3),
-            test: (3, 2)
-        })
-    );
+    let said = flip(&small, &large, PPD).unwrap_err().to_string();
+    assert!(said.contains("(2, 3)") && said.contains("(3, 2)"), "{said}");
     for ppd in [0.0, -67.0, 0.999, 1e5, f64::NAN, f64::INFINITY] {
-        assert!(matches!(
-            flip(&small, &small, ppd),
-            Err(FlipError::PixelsPerDegree(_))
-        ));
+        let said = flip(&small, &small, ppd).unwrap_err().to_string();
+        assert!(said.contains("pixels per degree"), "{said}");
     }
-    assert!(matches!(
-        SrgbImage::new(0, 3, vec![]),
-        Err(FlipError::Empty { .. })
-    ));
-    let too_few = SrgbImage::new(2, 2, vec![[0; 3]; 3]);
-    assert!(matches!(
-        too_few,
-        Err(FlipError::PixelCount { pixels: 3, .. })
-    ));
+    assert!(SrgbImage::new(0, 3, vec![]).is_err());
+    assert!(SrgbImage::new(2, 2, vec![[0; 3]; 3]).is_err());
     assert!(SrgbImage::new(usize::MAX, 2, vec![]).is_err());
 }
 

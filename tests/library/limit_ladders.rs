@@ -100,8 +100,7 @@ fn whole_last_steps_pass() {
     }
 }
 
-/// Samples that are dropped because they are faint: the more there are, the more is lost. The images say so, the
-/// convention is found, and under its profile they pass.
+/// Samples that are dropped because they are faint: the more there are, the more is lost. The convention is found, and under its profile they pass.
 #[test]
 fn faint_samples_that_are_dropped() {
     let (suite, cases) = cases("limit/thin-haze");
@@ -114,7 +113,7 @@ fn faint_samples_that_are_dropped() {
         None,
     );
     assert_eq!(plain.result.verdict, Verdict::Fail);
-    let words = "become darker with each halving of the step";
+    let words = "faint samples dropped";
     assert!(
         plain.result.reason.contains(words),
         "{}",
@@ -137,14 +136,4 @@ fn faint_samples_that_are_dropped() {
     let profile = Profile::parse(&found.profile.unwrap(), "mine.toml").unwrap();
     let under = judged(&suite, &cases[0], &images, Some(&profile)).result;
     assert_eq!(under.verdict, Verdict::Pass, "{}", under.reason);
-
-    // Each image is judged at its own step.
-    let wrong = [&images[..2], &[images[0].clone()]].concat();
-    let under = judged(&suite, &cases[0], &wrong, Some(&profile)).result;
-    assert_eq!(under.verdict, Verdict::Fail);
-    assert!(
-        under.reason.contains("with 1/4 of the step"),
-        "{}",
-        under.reason
-    );
 }

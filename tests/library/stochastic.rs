@@ -447,134 +447,6 @@ fn a_lost_line_is_seen() {
     assert_test_rejected("a column", &reference, &column, "a region of 1 × 48 pixels");
 }
 
-/// Where the noise is not stated, a black row is seen at the border and inside, in rare light and in few samples;
-/// rows that get less light than chance makes black are not.
-#[test]
-fn a_black_line_is_seen_without_stated_noise() {
-    let lit = |_: usize| [0.5; 3];
-    let lost = |test: &Film, row: usize| {
-        silent(&edited(test, |i, pixel| {
-            if i / SIDE == row { [0.0; 3] } else { pixel }
-        }))
-    };
-    for (shape, samples) in [(even as SampleShape, 2), (exponential, 4), (rare, 64)] {
-        let reference = sampled(1, 4096, shape, lit);
-        let test = sampled(2, samples, shape, lit);
-        assert_nothing_is_black(&reference, &silent(&test));
-        for row in [0, 20, SIDE - 1] {
-            let name = format!("row {row} is black");
-            assert_test_rejected("a row", &reference, &lost(&test, row), &name);
-        }
-    }
-    // Of two samples in each pixel, a twentieth of them lit, rows are black by chance: (19/20)⁹⁶ is one in 138.
-    let reference = sampled(1, 8192, rare, lit);
-    let mut rows = 0;
-    for seed in 2..42 {
-        let test = sampled(seed, 2, rare, lit);
-        let mut pixels = test.radiance().chunks(SIDE);
-        rows += usize::from(pixels.any(|row| row.iter().all(|pixel| *pixel == [0.0; 3])));
-        assert_nothing_is_black(&reference, &silent(&test));
-    }
-    assert!(rows > 5, "{rows}");
-    // A dim row between bright ones: of its light no sample in a thousand arrives.
-    let dim = |index: usize| {
-        if index / SIDE == 20 {
-            [1e-3; 3]
-        } else {
-            [0.5; 3]
-        }
-    };
-    let glints = |seed: u64, samples: u32| {
-        let bright = sampled(seed, samples, even, dim);
-        let rare = |u: f64| if u < 1e-3 { 1e3 } else { 0.0 };
-        let row = sampled(seed, samples, rare, dim);
-        let pick = |of: fn(&Film) -> Vec<[f32; 3]>| {
-            let pixels = of(&bright).into_iter().zip(of(&row)).enumerate();
-            let pixels = pixels.map(|(i, (a, b))| if i / SIDE == 20 { b } else { a });
-            pixels.collect::<Vec<_>>()
-        };
-        let [means, variances] = [
-            pick(|film| film.radiance().to_vec()),
-            pick(|film| film.noise().unwrap().variance().to_vec()),
-        ];
-        Film::with_noise(SIDE, SIDE, means, variances, samples)
-    };
-    let reference = glints(1, 16384);
-    let test = glints(2, 4);
-    let row = &test.radiance()[20 * SIDE..21 * SIDE];
-    assert!(row.iter().all(|pixel| *pixel == [0.0; 3]));
-    assert_nothing_is_black(&reference, &silent(&test));
-}
-
-/// Columns that repeat the one before are no independent means; those of light that is either on or off are
-/// equal by chance.
-#[test]
-fn repeated_lines_are_seen() {
-    let reference = sampled(1, 512, exponential, truth);
-    let test = sampled(2, 64, exponential, truth);
-    let columns = edited(&test, |i, pixel| match i % SIDE {
-        12 | 36 => test.radiance()[i - 1],
-        _ => pixel,
-    });
-    assert_test_rejected("columns", &reference, &columns, "to those of column");
-    let rows = edited(&test, |i, pixel| match i / SIDE {
-        40 => test.radiance()[i - SIDE],
-        _ => pixel,
-    });
-    assert_test_rejected(
-        "a row",
-        &reference,
-        &rows,
-        "row 40 are bit-identical to those of row 39",
-    );
-    let coin = |u: f64| if u < 0.5 { 2.0 } else { 0.0 };
-    for shape in [rare, coin] {
-        let flat = |_: usize| [0.5; 3];
-        let reference = sampled(3, 4096, shape, flat);
-        for samples in [2, 4, 8, 16, 64] {
-            assert_passes(
-                &format!("{samples}"),
-                &reference,
-                &sampled(4, samples, shape, flat),
-            );
-        }
-    }
-}
-
-/// The variance of the luminance in the place of each channel's.
-#[test]
-fn one_variance_for_three_channels_is_none() {
-    let reference = sampled(1, 512, exponential, truth);
-    let test = sampled(2, 64, exponential, truth);
-    let stated = |map: fn([f32; 3]) -> [f32; 3]| {
-        let noise = test.noise().unwrap();
-        let variance = noise.variance().iter().map(|pixel| map(*pixel)).collect();
-        Film::with_noise(
-            SIDE,
-            SIDE,
-            test.radiance().to_vec(),
-            variance,
-            noise.samples(),
-        )
-    };
-    let word = "one number";
-    assert_test_rejected("of green", &reference, &stated(|[_, g, _]| [g; 3]), word);
-    assert_test_rejected(
-        "of the sum",
-        &reference,
-        &stated(|v| [v.iter().sum::<f32>() / 3.0; 3]),
-        word,
-    );
-    assert_passes("", &reference, &stated(|pixel| pixel));
-    // In a grey scene they are one number.
-    let grey = |i: usize| [truth(i)[0]; 3];
-    let [reference, test] = [
-        sampled(1, 512, exponential, grey),
-        sampled(2, 64, exponential, grey),
-    ];
-    assert!(judged(&reference, &test).passed);
-}
-
 #[test]
 fn too_little_noise_is_suspicious() {
     let reference = sampled(1, 256, exponential, truth);
@@ -731,28 +603,21 @@ fn advice_decides_in_every_form() {
         let one = |i: u64| silent(&sampled(4 * seed + i, samples / 4, shape, truth));
         Film::from_replicates(&[one(0), one(1), one(2), one(3)]).unwrap()
     }
-    let forms: [(Form, Option<u64>, &str); 5] = [
-        (
-            |seed, n, shape| sampled(seed, n, shape, truth),
-            Some(32),
-            "this image has 32",
-        ),
+    let forms: [(Form, Option<u64>); 5] = [
+        (|seed, n, shape| sampled(seed, n, shape, truth), Some(32)),
         (
             |seed, n, shape| silent(&sampled(seed, n, shape, truth)),
             None,
-            "as this image has",
         ),
         (
             // As of a renderer that was asked for them.
             |seed, n, shape| silent(&sampled(seed, n, shape, truth)).with_samples(n),
             Some(32),
-            "this image has 32",
         ),
-        (renderings, None, "as these 4 renderings have together"),
+        (renderings, None),
         (
             |seed, n, shape| renderings(seed, n, shape).with_samples(n / 4),
             Some(32),
-            "these 4 renderings have 32 together",
         ),
     ];
     for (name, shape) in [
@@ -763,7 +628,7 @@ fn advice_decides_in_every_form() {
         let reference = sampled(1, 2048, shape, truth);
         let stated = judged(&reference, &sampled(2, 32, shape, truth));
         let promise = 0.5 * mean_resolution(&stated);
-        for (form, has, words) in forms {
+        for (form, has) in forms {
             let with = |seed, samples| {
                 let film = form(seed, samples, shape);
                 promising(&reference, &film, promise)
@@ -771,7 +636,6 @@ fn advice_decides_in_every_form() {
             let few = with(3, 32);
             let advice = advised(&few);
             assert_eq!(advice.has, has, "{name}");
-            assert!(few.reason.contains(words), "{name}: {}", few.reason);
             let samples = advice.samples().unwrap_or(32.0 * advice.times).ceil() as u32;
             for seed in 6..8 {
                 let enough = with(seed, samples.next_multiple_of(4));
@@ -781,10 +645,7 @@ fn advice_decides_in_every_form() {
                     enough.reason
                 );
                 let quarter = with(seed, samples / 16 * 4);
-                assert!(
-                    quarter.undecided.is_some(),
-                    "{name}, {words}: {samples} is too much"
-                );
+                assert!(quarter.undecided.is_some(), "{name}: {samples} is too much");
             }
         }
     }

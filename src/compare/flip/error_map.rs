@@ -51,7 +51,8 @@ impl ErrorMap {
     /// of the sum of all errors, `percent` in [0, 100]. A plain percentile ignores a small fault in
     /// a large correct image; this one does not.
     pub fn weighted_percentile(&self, percent: f64) -> f64 {
-        let sorted = self.sorted();
+        let mut sorted = self.values.clone();
+        sorted.sort_unstable_by(f64::total_cmp);
         let total: Sum = sorted.iter().copied().collect();
         let share = percent.clamp(0.0, 100.0) / 100.0 * total.value();
         let mut carried = Sum::default();
@@ -63,12 +64,6 @@ impl ErrorMap {
                 carried.value() >= share
             })
             .unwrap_or(sorted[sorted.len() - 1])
-    }
-
-    fn sorted(&self) -> Vec<f64> {
-        let mut sorted = self.values.clone();
-        sorted.sort_unstable_by(f64::total_cmp);
-        sorted
     }
 }
 

@@ -4,38 +4,9 @@ use crate::film::{Bits, Film};
 use thiserror::Error;
 
 /// Reason why two images could not be compared.
-#[derive(Clone, Copy, Debug, PartialEq, Error)]
-pub enum FlipError {
-    /// The image has no pixels.
-    #[error("an image of {width}×{height} has no pixels")]
-    Empty {
-        /// Columns.
-        width: usize,
-        /// Rows.
-        height: usize,
-    },
-    /// The pixels do not fill the image.
-    #[error("{pixels} pixels given for an image of {width}×{height}")]
-    PixelCount {
-        /// Columns.
-        width: usize,
-        /// Rows.
-        height: usize,
-        /// Pixels given.
-        pixels: usize,
-    },
-    /// The images differ in size.
-    #[error("the reference is {reference:?} pixels wide and high, the test image {test:?}")]
-    Size {
-        /// Columns and rows of the reference.
-        reference: (usize, usize),
-        /// Columns and rows of the test image.
-        test: (usize, usize),
-    },
-    /// The viewing condition is outside [`PIXELS_PER_DEGREE_RANGE`](super::PIXELS_PER_DEGREE_RANGE).
-    #[error("{0} pixels per degree is outside 1 to 10000")]
-    PixelsPerDegree(f64),
-}
+#[derive(Clone, Debug, PartialEq, Error)]
+#[error("{0}")]
+pub struct FlipError(pub(super) String);
 
 /// An sRGB image as displays and PNG files hold it: 8-bit codes with the sRGB transfer curve
 /// (IEC 61966-2-1), row-major, top row first. At least one pixel.
@@ -59,15 +30,10 @@ impl SrgbImage {
     ///
     /// If either is zero, or the length of `pixels` is not their product.
     pub fn new(width: usize, height: usize, pixels: Vec<[u8; 3]>) -> Result<Self, FlipError> {
-        if width == 0 || height == 0 {
-            return Err(FlipError::Empty { width, height });
-        }
-        if width.checked_mul(height) != Some(pixels.len()) {
-            return Err(FlipError::PixelCount {
-                width,
-                height,
-                pixels: pixels.len(),
-            });
+        let count = pixels.len();
+        if count == 0 || width.checked_mul(height) != Some(count) {
+            let fault = format!("{count} pixels given for an image of {width}×{height}");
+            return Err(FlipError(fault));
         }
         Ok(Self {
             width,
@@ -95,9 +61,10 @@ impl SrgbImage {
     pub(super) fn require_same_size(&self, test: &Self) -> Result<(), FlipError> {
         let (reference, test) = ((self.width, self.height), (test.width, test.height));
         if reference == test {
-            Ok(())
-        } else {
-            Err(FlipError::Size { reference, test })
+            return Ok(());
         }
+        Err(FlipError(format!(
+            "the reference is {reference:?} pixels wide and high, the test image {test:?}"
+        )))
     }
 }

@@ -70,7 +70,8 @@ pub fn flip(
 ) -> Result<ErrorMap, FlipError> {
     reference.require_same_size(test)?;
     if !PIXELS_PER_DEGREE_RANGE.contains(&pixels_per_degree) {
-        return Err(FlipError::PixelsPerDegree(pixels_per_degree));
+        let fault = format!("{pixels_per_degree} pixels per degree is outside 1 to 10000");
+        return Err(FlipError(fault));
     }
     let (width, height) = (reference.width(), reference.height());
     let contrast = ContrastFilter::new(pixels_per_degree);

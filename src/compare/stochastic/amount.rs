@@ -3,7 +3,6 @@
 use super::super::significance::chi_square_two_sided;
 use super::blocks::{Block, Channel};
 use super::comparison::Comparison;
-use super::variance::unstated;
 use super::{Metrics, finite};
 
 /// Factor by which the noise may be larger or smaller than stated, however unlikely: variances are
@@ -50,33 +49,19 @@ pub(super) fn judge_amount(
     metrics: &mut Metrics,
 ) -> Option<String> {
     let blocks = &comparison.blocks;
-    let of_stated = |channel: &Channel| match unstated(comparison.stated) {
-        None => (channel.squares, channel.stated[0] + channel.stated[1]),
-        // One image alone: there must be at least its own noise.
-        Some(silent) => (channel.spread, channel.stated[1 - silent]),
-    };
-    let (amount, count) = mean_ratio(blocks, of_stated)?;
-    match unstated(comparison.stated) {
-        None => {
-            metrics.push(("amount_of_noise", amount));
-            metrics.push(("chi_square_probability", probability(amount, count)));
-        }
-        Some(_) => metrics.push(("noise_over_that_stated", amount)),
-    }
-    if amount < 1.0 / AMOUNT && probability(amount, count) <= level {
-        let stated = match unstated(comparison.stated) {
-            None => "that the images state",
-            Some(_) => "that one image alone states",
-        };
-        return Some(format!(
-            "too little noise: differences of {amount:.2} times the variance {stated}; possible causes: \
-             common random numbers, smoothing or denoising, a variance overstated for stratified \
-             samples"
-        ));
-    }
     let [Some(a), Some(b)] = comparison.numbers() else {
         return None;
     };
+    let stated = |channel: &Channel| (channel.squares, channel.stated[0] + channel.stated[1]);
+    let (amount, count) = mean_ratio(blocks, stated)?;
+    metrics.push(("amount_of_noise", amount));
+    metrics.push(("chi_square_probability", probability(amount, count)));
+    if amount < 1.0 / AMOUNT && probability(amount, count) <= level {
+        return Some(format!(
+            "too little noise: differences of {amount:.2} times the variance that the images state; possible causes: \
+             common random numbers, smoothing or denoising, a variance overstated for stratified samples"
+        ));
+    }
     let guarded = |channel: &Channel| (channel.squares, channel.variance.largest());
     let (amount, count) = mean_ratio(blocks, guarded)?;
     (a.min(b) >= ENOUGH && amount > AMOUNT && probability(amount, count) <= level).then(|| {

@@ -22,41 +22,6 @@ pub(super) struct Comparison<'f> {
     pub rounding: Rounding,
 }
 
-/// Direction of the lines of an image.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum Axis {
-    Rows,
-    Columns,
-}
-
-impl Axis {
-    pub const BOTH: [Axis; 2] = [Axis::Rows, Axis::Columns];
-
-    /// Name of one line.
-    pub fn name(self) -> &'static str {
-        match self {
-            Axis::Rows => "row",
-            Axis::Columns => "column",
-        }
-    }
-
-    /// Number of lines of an image, and of pixels in each.
-    pub fn lines(self, [width, height]: [usize; 2]) -> [usize; 2] {
-        match self {
-            Axis::Rows => [height, width],
-            Axis::Columns => [width, height],
-        }
-    }
-
-    /// Index of the pixel `at` a place in a `line`.
-    pub fn index(self, width: usize, line: usize, at: usize) -> usize {
-        match self {
-            Axis::Rows => line * width + at,
-            Axis::Columns => at * width + line,
-        }
-    }
-}
-
 /// Variance of a channel of a block by both estimates.
 fn variance(stated: [Stated; 2], shape: &NoiseShape, channel: &Channel) -> Variance {
     Variance {
@@ -112,8 +77,8 @@ impl<'f> Comparison<'f> {
         more.completed(times)
     }
 
-    /// Rows or columns of a pixel, as blocks.
-    pub fn lines(&self, axis: Axis) -> Vec<Block> {
+    /// Rows and columns of a pixel, as blocks.
+    pub fn lines(&self) -> [Vec<Block>; 2] {
         let [reference, _] = self.films;
         let (width, height) = (reference.width(), reference.height());
         let line = |columns, rows| {
@@ -123,10 +88,10 @@ impl<'f> Comparison<'f> {
             }
             line
         };
-        match axis {
-            Axis::Rows => (0..height).map(|y| line(0..width, y..y + 1)).collect(),
-            Axis::Columns => (0..width).map(|x| line(x..x + 1, 0..height)).collect(),
-        }
+        [
+            (0..height).map(|y| line(0..width, y..y + 1)).collect(),
+            (0..width).map(|x| line(x..x + 1, 0..height)).collect(),
+        ]
     }
 
     /// Blocks in a row.

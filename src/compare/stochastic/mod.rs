@@ -17,13 +17,10 @@
 //!   to a rounding. If all a samples of one are x and all b of the other y ≠ x, that had a
 //!   probability of `p^a · (1 − p)^b` at most, which is largest at p = a/(a + b).
 //! - *Black pixels*: a mean of samples that are not negative is 0 only if all are, which by Cantelli's
-//!   inequality has a small probability where light is steady, and by its neighbours where their samples are
-//!   seldom 0 (see the file `hits.rs`). This finds a NaN that was replaced by
-//!   0, of 64 samples even a single one. Where the test image does not count its samples, whole rows and columns
-//!   are asked about (see the file `black_lines.rs`). It has one share together with the pixels without noise. A
+//!   inequality has a small probability where light is steady. This finds a NaN that was replaced by
+//!   0, of 64 samples even a single one. It has one share together with the pixels without noise. A
 //!   single pixel that is too bright is another matter: noise makes those.
-//! - *Copies*: more than half of the pixels that have noise are the same bit for bit as in the reference, or
-//!   as those of the row or column before. Both have one share.
+//! - *Copies*: more than half of the pixels that have noise are the same bit for bit as in the reference.
 //! - *The amount of noise*: the squares of the differences should sum to the variances, block by
 //!   block (chi-square). Half as much is suspicious too: as if the images shared random numbers,
 //!   or one had been smoothed. Too much is looked for from 64 samples a pixel on.
@@ -63,9 +60,6 @@
 //! A block that light missed by chance, and that therefore states no noise, has its share of what the
 //! others state.
 //!
-//! An image that states one variance for its three channels, to the bit, wherever those of the
-//! reference differ twofold does not state theirs, and is rejected: no estimates agree so.
-//!
 //! The *number of samples* that an image states is not judged. Another estimator may well need
 //! sixteen times fewer samples for the same noise, or more, and nothing in the image tells that from
 //! a number that is wrong. One that is too large narrows the guard, at the cost of the image alone;
@@ -77,8 +71,7 @@
 //! A test image may have been summed in single precision, rounded to half precision or printed with six decimals, and
 //! none of that is noise: pixels without noise are all rounded the same way. So every sum, over a block, a line, the
 //! image or a score, first subtracts the largest error that rounding could cause (see `blocks.rs`).
-//! Variances that half precision made equal or 0 are no statement either: the guard is there, and three equal ones
-//! count from four of its smallest steps on.
+//! Variances that half precision made 0 are no statement either: the guard is there.
 //!
 //! # Images of 8 bits
 //!
@@ -116,11 +109,9 @@
 //! Such images need more samples, not a wider gate.
 
 mod amount;
-mod black_lines;
 mod blocks;
 mod comparison;
 mod cut_off;
-mod hits;
 mod map;
 mod neighbours;
 mod numbers;
@@ -129,7 +120,6 @@ mod resolution;
 mod scales;
 mod scores;
 mod unstated;
-mod values;
 mod variance;
 
 pub use blocks::{BLOCK, DARK};
@@ -137,7 +127,7 @@ pub(crate) use map::{block_error, block_map};
 pub(crate) use unstated::is_off_by_noise;
 
 use super::advice::Undecided;
-use super::gate::{Conditions, Description, Gate, MEAN_DIFFERENCES, metrics};
+use super::gate::{Description, Gate, MEAN_DIFFERENCES, metrics};
 use super::incomparable;
 use super::judgement::Judgement;
 use super::picture::PictureError;
@@ -148,14 +138,12 @@ use super::significance::{deviation, holm, two_sided, two_sided_estimated};
 use crate::film::{CHANNELS, Film};
 use crate::math;
 use amount::judge_amount;
-use black_lines::judge_black_lines;
 use blocks::{Block, Channel};
 use comparison::Comparison;
 use cut_off::WithinCodes;
-use hits::Hits;
 use neighbours::judge_neighbours;
 use numbers::judge_numbers;
-use pixels::{PixelDifferences, judge_black, judge_one_variance, judge_repeated};
+use pixels::{PixelDifferences, judge_black};
 use resolution::Limits;
 use scales::judge_scales;
 
@@ -196,7 +184,6 @@ pub(super) const DESCRIPTION: Description = Description {
         "contrary_pixels" => "Pixels and channels that differ although neither image has any noise there.";
         "black_pixels" => "Pixels that are exactly 0 although the golden is not; samples that are all 0 by chance make some, in images of few samples.";
         "amount_of_noise" => "Squared differences relative to the variance given in the images: 1 is expected, far below 1 means smoothing or shared random numbers, far above 1 a difference beyond noise.";
-        "noise_over_that_stated" => "Squared differences relative to the variance of the one image that includes it: 1 or more is expected.";
         "chi_square_probability" => "Probability of at least this much deviation from noise alone; near 0 means a real difference.";
         "copied_pixels" => "Noisy pixels that are bit-identical to the golden; independent renderings share none.";
         "correlation_across" => "Correlation of the differences of horizontally adjacent pixels: 0 is expected; above 0.05 whole regions are off, or the image was filtered or denoised, or its pixels share random numbers.";
@@ -214,22 +201,6 @@ pub fn judge(reference: &Film, test: &Film, cases: usize) -> Result<Judgement, P
 /// [`judge`], with the probability of a false alarm of this one comparison.
 pub fn judge_at(reference: &Film, test: &Film, level: f64) -> Result<Judgement, PictureError> {
     judge_with(reference, test, level, None, &[])
-}
-
-/// [`judge`] under these conditions.
-pub(super) fn judge_under(
-    reference: &Film,
-    test: &Film,
-    conditions: &Conditions<'_>,
-) -> Result<Judgement, PictureError> {
-    let level = FALSE_ALARM / conditions.cases.max(1) as f64;
-    judge_with(
-        reference,
-        test,
-        level,
-        conditions.promise,
-        conditions.sensitivities,
-    )
 }
 
 /// [`judge_at`] of an image that is to show the promised biases, where it is known how the reference changes with numbers
@@ -292,16 +263,12 @@ fn judgement(
     let numbers = judge_numbers(comparison, sensitivities, level, &mut metrics);
     faults.extend(numbers.fault);
     let pixels = PixelDifferences::new(comparison);
-    let hits = Hits::of(comparison.films);
     if let [Some(a), Some(b)] = comparison.numbers() {
         faults.extend(pixels.judge_far(level, &mut metrics));
         faults.extend(pixels.judge_contrary([a, b], level, &mut metrics));
-        faults.extend(judge_black(comparison, &hits, level, &mut metrics));
+        faults.extend(judge_black(comparison, level, &mut metrics));
     }
-    faults.extend(judge_black_lines(comparison, level));
-    faults.extend(judge_one_variance(comparison));
     let copied = pixels.judge_copied(level, &mut metrics);
-    let copied = judge_repeated(comparison, &hits, 0.5 * level).or(copied);
     // A copy has too little noise, which goes without saying.
     let amount = judge_amount(comparison, level, &mut metrics).filter(|_| copied.is_none());
     faults.extend(copied);
@@ -320,12 +287,9 @@ fn judgement(
         limits.of_block(worst.block, worst.channel),
         comparison.asked(),
     );
-    let reason = match (undecided, promise) {
-        (Some((undecided, required)), Some(promise)) => {
-            format!(
-                "{}: {noise}",
-                too_noisy(visible, &undecided, required, &promise)
-            )
+    let reason = match undecided {
+        Some((undecided, required)) => {
+            format!("{}: {noise}", too_noisy(visible, &undecided, required))
         }
         _ if passed => {
             let [of_mean, of_blocks] = visible.map(percent);
@@ -354,27 +318,17 @@ fn judgement(
 
 /// Sentence for two images that agree, and could have hidden a bias of the mean and of blocks that is larger than
 /// `required`.
-fn too_noisy(
-    visible: [f64; 2],
-    advice: &Undecided,
-    required: [f64; 2],
-    promise: &Promise,
-) -> String {
-    let why = if required == [promise.mean, promise.block.unwrap_or(f64::INFINITY)] {
-        ""
-    } else {
-        " (less than usual, for the noise of the reference hides a quarter of it)"
-    };
-    let is_of_blocks = required[1].is_finite();
-    let [[seen, required], [of_blocks, of_block]] =
-        [0, 1].map(|i| [visible[i], required[i]].map(percent));
-    let of_block = match is_of_blocks {
-        true => format!("; of single blocks (90th percentile) {of_blocks}, required {of_block}"),
+fn too_noisy(visible: [f64; 2], advice: &Undecided, required: [f64; 2]) -> String {
+    let [mean, block] = [0, 1].map(|i| {
+        let [seen, required] = [visible[i], required[i]].map(percent);
+        format!("{seen}, required {required}")
+    });
+    let of_block = match required[1].is_finite() {
+        true => format!("; of single blocks (90th percentile) {block}"),
         false => String::new(),
     };
     format!(
-        "too noisy to decide: detectable bias of the mean {seen}, required {required}{of_block}{why}; {advice}; no \
-         difference beyond noise"
+        "too noisy to decide: detectable bias of the mean {mean}{of_block}; {advice}; no difference beyond noise"
     )
 }
 

@@ -13,15 +13,10 @@
 //! distribution, however few they are.
 //!
 //! Where brightness varies within a block, a could not as well be c: what a light that was missed
-//! leaves out varies with it, and only the few products that hold the light make up for that. Two
-//! ways around it are both taken, for each finds what the other does not:
-//!
-//! - The mean of a product is zero all the same, as long as none is made smaller for being large:
-//!   blocks are weighed by the noise of the finer image, and never by their own differences.
-//!   Edges weigh most, which finds what is misplaced. The bound is then that of a normal number,
-//!   from many products of mean zero, no longer one of any distribution.
-//! - In flat blocks there is little that could be left out, and their differences may be measured
-//!   by their own spread: all weigh alike, which finds smoothed noise beside bright edges.
+//! leaves out varies with it, and only the few products that hold the light make up for that. The mean of a product is
+//! zero all the same, as long as none is made smaller for being large: blocks are weighed by the noise of the finer
+//! image, and never by their own differences. Edges weigh most, which finds what is misplaced. The bound is then that
+//! of a normal number, from many products of mean zero, no longer one of any distribution.
 //!
 //! Source: Efron 1969, JASA 64, 1278–1302, after Hoeffding 1963, JASA 58, 13–30.
 
@@ -29,19 +24,12 @@ use super::super::significance::holm;
 use super::Metrics;
 use super::blocks::{BLOCK, Block, Channel};
 use super::comparison::Comparison;
-use crate::film::Film;
-use crate::math::{self, Moments};
+use crate::math;
 
 /// Largest correlation of neighbours that is accepted, however unlikely: with it, the variance of
 /// the sum of a block is less than 1 + 4 · 0.05 times what it should be, its standard error a tenth
 /// off.
 const CORRELATED: f64 = 0.05;
-
-/// Variance of the radiance in a flat block, in parts of the mean square of its differences. The
-/// omitted part varies at most as the radiance does: as a slope of g a pixel, which has a variance
-/// of 21 g²/4 over eight pixels, and in the products (4 g)². Over twice the mean square of the
-/// differences, that is a correlation of 32/21 of this: no more than what is left alone.
-const FLAT: f64 = CORRELATED * 21.0 / 32.0;
 
 /// Correlation along one axis.
 #[derive(Clone, Copy, Debug, Default)]
@@ -61,14 +49,12 @@ impl NeighbourAxis {
         }
     }
 
-    /// Probability, at most, of a correlation as large where there is one of `allowed`; 1 of one
-    /// that is left alone.
-    fn probability(&self, allowed: f64) -> f64 {
+    /// Probability, at most, of a correlation as large; 1 of one that is left alone.
+    fn probability(&self) -> f64 {
         if self.correlation() <= CORRELATED {
             return 1.0;
         }
-        let excess = self.products - allowed * self.squares;
-        math::exp(-0.5 * excess * excess / self.squared_products)
+        math::exp(-0.5 * self.products * self.products / self.squared_products)
     }
 
     /// Adds one product, of the channels together: they may share their noise.
@@ -87,26 +73,13 @@ impl NeighbourAxis {
 /// The pixels a, b, c, d along a line of a block: neighbours, and neighbours half a block on.
 const QUADS: [[usize; 4]; 2] = [[0, 1, 4, 5], [2, 3, 6, 7]];
 
-/// Unit of the differences, so that blocks can be added.
-#[derive(Clone, Copy)]
-enum Unit {
-    /// The standard error of a pixel of the finer image, or of the median block where that is
-    /// larger: dark blocks, in which light of others is much to them, do not outweigh those. Where
-    /// the reference is known, that of the guard.
-    Noise,
-    /// Their root mean square over the block, in [flat](FLAT) blocks only.
-    Spread,
-}
-
-/// Factors on the differences of each block and channel.
-fn scales(comparison: &Comparison<'_>, unit: Unit) -> Vec<[f64; 3]> {
-    let fine = comparison.shape.fine;
-    let noise = |channel: &Channel| {
-        if comparison.shape.is_known {
-            channel.variance.guard()
-        } else {
-            channel.stated[fine]
-        }
+/// Factors on the differences of each block and channel, so that blocks can be added: one over the standard error of a
+/// pixel of the finer image, or of the median block where that is larger: dark blocks, in which light of others is much
+/// to them, do not outweigh those. Where the reference is known, that of the guard.
+fn scales(comparison: &Comparison<'_>) -> Vec<[f64; 3]> {
+    let noise = |channel: &Channel| match comparison.shape.is_known {
+        true => channel.variance.guard(),
+        false => channel.stated[comparison.shape.fine],
     };
     let blocks = comparison.blocks.iter();
     let noises = blocks
@@ -115,13 +88,8 @@ fn scales(comparison: &Comparison<'_>, unit: Unit) -> Vec<[f64; 3]> {
     let typical = median(noises.filter(|noise| *noise > 0.0).collect());
     let scale = |block: &Block, c: usize| {
         let channel = &block.channels[c];
-        let sum = match unit {
-            _ if is_banded(block, channel) => 0.0,
-            Unit::Noise => noise(channel).max(typical),
-            Unit::Spread if is_flat(comparison.films[fine], block, c) => channel.squares,
-            Unit::Spread => 0.0,
-        };
-        if sum > 0.0 {
+        let sum = noise(channel).max(typical);
+        if sum > 0.0 && !is_banded(block, channel) {
             (block.pixels() as f64 / sum).sqrt()
         } else {
             0.0
@@ -142,13 +110,6 @@ fn is_banded(block: &Block, channel: &Channel) -> bool {
     variance < 4.0 / 3.0 * half_code * half_code
 }
 
-fn is_flat(film: &Film, block: &Block, c: usize) -> bool {
-    let radiance = |index: usize| f64::from(film.radiance()[index][c]);
-    let moments: Moments = block.indices(film.width()).map(radiance).collect();
-    let mean_square = block.channels[c].squares / block.pixels() as f64;
-    moments.population_variance() <= FLAT * mean_square
-}
-
 /// Median; 0 for no values.
 fn median(mut values: Vec<f64>) -> f64 {
     let middle = values.len() / 2;
@@ -159,10 +120,10 @@ fn median(mut values: Vec<f64>) -> f64 {
 }
 
 /// Correlation across and down.
-fn axes(comparison: &Comparison<'_>, unit: Unit) -> [NeighbourAxis; 2] {
+fn axes(comparison: &Comparison<'_>) -> [NeighbourAxis; 2] {
     let [reference, test] = comparison.films.map(|film| film.radiance());
     let mut axes = [NeighbourAxis::default(); 2];
-    for (block, scales) in comparison.blocks.iter().zip(scales(comparison, unit)) {
+    for (block, scales) in comparison.blocks.iter().zip(scales(comparison)) {
         let (width, height) = (block.columns.len(), block.rows.len());
         let difference = |i: usize| {
             let channel = |c: usize| f64::from(test[i][c]) - f64::from(reference[i][c]);
@@ -191,20 +152,15 @@ pub(super) fn judge_neighbours(
     level: f64,
     metrics: &mut Metrics,
 ) -> Option<String> {
-    let [noise, spread] = [Unit::Noise, Unit::Spread].map(|unit| axes(comparison, unit));
-    let [across, down] = noise.map(|axis| axis.correlation());
+    let axes = axes(comparison);
+    let [across, down] = axes.map(|axis| axis.correlation());
     metrics.push(("correlation_across", across));
     metrics.push(("correlation_down", down));
-    let by_noise = noise.map(|axis| axis.probability(0.0));
-    let by_spread = spread.map(|axis| axis.probability(CORRELATED));
-    (holm(&[by_noise, by_spread].concat(), level) > 0).then(|| {
-        let [of_flat, down_flat] = spread.map(|axis| axis.correlation());
+    (holm(&axes.map(|axis| axis.probability()), level) > 0).then(|| {
         format!(
-            "differences of neighbouring pixels are correlated ({:.2} across, {:.2} down; independent samples: 0): too \
-             smooth for noise; possible causes: denoising, smoothing, a filter wider than a pixel, random numbers shared \
-             by pixels, or regions that are too bright, too dark or displaced",
-            across.max(of_flat),
-            down.max(down_flat)
+            "differences of neighbouring pixels are correlated ({across:.2} across, {down:.2} down; independent samples: \
+             0): too smooth for noise; possible causes: denoising, smoothing, a filter wider than a pixel, random numbers \
+             shared by pixels, or regions that are too bright, too dark or displaced"
         )
     })
 }

@@ -2,7 +2,6 @@
 
 use super::comparison::Comparison;
 use super::scores::Scores;
-use super::values::value_sensitivities;
 use super::{Metrics, finite};
 use crate::compare::judgement::{Detectable, NumberChange};
 use crate::compare::sensitivity::Sensitivity;
@@ -17,8 +16,7 @@ pub(super) struct NumberFindings {
     pub detectable: Vec<Detectable>,
 }
 
-/// Tests for an error in each number of which a sensitivity is known, and in those of the values of an
-/// image, all together at `level`.
+/// Tests for an error in each number of which a sensitivity is known, all together at `level`.
 pub(super) fn judge_numbers(
     comparison: &Comparison<'_>,
     sensitivities: &[Sensitivity],
@@ -28,10 +26,8 @@ pub(super) fn judge_numbers(
     if sensitivities.is_empty() || comparison.numbers().contains(&None) {
         return NumberFindings::default();
     }
-    let of_values = value_sensitivities(comparison);
-    let sensitivities: Vec<&Sensitivity> = sensitivities.iter().chain(&of_values).collect();
     let mut findings = NumberFindings::default();
-    let Some(scores) = Scores::new(comparison, &sensitivities) else {
+    let Some(scores) = Scores::new(comparison, sensitivities) else {
         return findings;
     };
     let tests = scores.count() as f64;

@@ -4,8 +4,7 @@
 use super::super::significance::{at_least, deviation, holm};
 use super::Metrics;
 use super::blocks::{DARK, Difference};
-use super::comparison::{Axis, Comparison};
-use super::hits::{Hits, all_zero};
+use super::comparison::Comparison;
 use super::variance::Stated;
 use crate::compare::around;
 use crate::math;
@@ -92,9 +91,8 @@ impl PixelDifferences {
     pub fn judge_copied(&self, level: f64, metrics: &mut Metrics) -> Option<String> {
         metrics.push(("copied_pixels", self.copied as f64));
         // No number of normal noise above its rounding is likelier than 0.4, no number of events
-        // other than none likelier than 1/e, no side of a coin thrown twice than 1/2. Half of the share is that
-        // of repeated lines.
-        (at_least(self.copied, self.noisy, 0.5) <= 0.5 * level).then(|| {
+        // other than none likelier than 1/e, no side of a coin thrown twice than 1/2.
+        (at_least(self.copied, self.noisy, 0.5) <= level).then(|| {
             let what = if self.copied == self.noisy {
                 "it is the same image, not an independent estimate"
             } else {
@@ -108,60 +106,33 @@ impl PixelDifferences {
     }
 }
 
-/// Causes of single black pixels, and of single rows and columns.
-pub(super) const CAUSES: &str =
-    "; possible causes are a NaN replaced by 0, or a pixel that was never written";
+/// Largest number of black pixels that are said to have causes of single ones.
+const MOST_LOST: usize = 16;
+
+/// Causes of single black pixels.
+const CAUSES: &str = "; possible causes are a NaN replaced by 0, or a pixel that was never written";
 
 /// Probability below which no digit of it means anything.
 const RARE: f64 = 1e-12;
 
-/// Frequency with which chance makes `what` black, of this `probability`, in words.
-pub(super) fn chance(what: &str, probability: f64) -> String {
-    let seldom = if probability < RARE { "less than " } else { "" };
-    format!(
-        "chance makes {what} black {seldom}once in {:.0e} images",
-        1.0 / probability.max(RARE)
-    )
-}
-
 /// Test for black pixels, where both images state the number of their samples.
 pub(super) fn judge_black(
     comparison: &Comparison<'_>,
-    hits: &Hits,
     level: f64,
     metrics: &mut Metrics,
 ) -> Option<String> {
     let [golden, test] = comparison.films;
     let width = golden.width();
-    let considered = chances_of_black(comparison, hits).unwrap_or_default();
+    let considered = chances_of_black(comparison).unwrap_or_default();
     let is_black = |at: usize| test.radiance()[at] == [0.0; 3];
     let black = considered.iter().filter(|(at, _)| is_black(*at));
     let count = black.clone().count();
     metrics.push(("black_pixels", count as f64));
     let &(first, least) = black.clone().min_by(|(_, a), (_, b)| a.total_cmp(b))?;
     let expected: f64 = considered.iter().map(|(_, chance)| chance).sum();
-    // Half of that share for the one that is least likely, half for their number; of both bounds on a probability
-    // the smaller was taken, so that each has half again.
-    let is_unlikely = least * considered.len() as f64 <= 0.125 * level;
-    let are_many = many_by_chance(count as f64, expected) <= 0.125 * level;
-    // Where geometry is missing or moved, whole regions are black.
-    let is_within = |&(at, _): &(usize, f64)| {
-        let has_beside = |at: usize| golden.radiance()[at] != [0.0; 3] && is_black(at);
-        let row = at - at % width..at - at % width + width;
-        let [across, down] = [1, width].map(|step| [at.checked_sub(step), Some(at + step)]);
-        let is_in_row = |at: &usize| row.contains(at);
-        let is_in_image = |at: &usize| *at < golden.radiance().len();
-        across
-            .into_iter()
-            .flatten()
-            .filter(is_in_row)
-            .any(has_beside)
-            && down
-                .into_iter()
-                .flatten()
-                .filter(is_in_image)
-                .any(has_beside)
-    };
+    // Half of that share for the one that is least likely, half for their number.
+    let is_unlikely = least * considered.len() as f64 <= 0.25 * level;
+    let are_many = many_by_chance(count as f64, expected) <= 0.25 * level;
     (is_unlikely || are_many).then(|| {
         format!(
             "{}, such as ({}, {}): {}{}",
@@ -172,15 +143,14 @@ pub(super) fn judge_black(
             first % width,
             first / width,
             if is_unlikely {
-                format!("by the light around it, {}", chance("that one", least))
+                let seldom = if least < RARE { "less than " } else { "" };
+                let images = 1.0 / least.max(RARE);
+                format!("by the light around it, chance makes that one black {seldom}once in {images:.0e} images")
             } else {
                 format!("chance would make some {expected:.0} black")
             },
-            if black.clone().any(is_within) {
-                ""
-            } else {
-                CAUSES
-            }
+            // Where geometry is missing or moved, whole regions are black.
+            if count > MOST_LOST { "" } else { CAUSES }
         )
     })
 }
@@ -196,12 +166,10 @@ const REACH: usize = 2;
 /// n-th power of that, whatever their distribution; for light that either arrives or does not it is
 /// exact. The mean is the golden's. The variance of a sample is the larger of the golden's and of
 /// the largest that the test image states for any pixel up to two away: a renderer that finds light
-/// by chance has much of it, and a black pixel knows nothing of its own. One wild sample near by makes that
-/// bound useless, so that there is a second one, of the samples near by that are not 0: see the file
-/// `hits.rs`.
+/// by chance has much of it, and a black pixel knows nothing of its own.
 ///
 /// Source: Cantelli 1928, Atti del Congresso Internazionale dei Matematici 6, 47–59.
-fn chances_of_black(comparison: &Comparison<'_>, hits: &Hits) -> Option<Vec<(usize, f64)>> {
+fn chances_of_black(comparison: &Comparison<'_>) -> Option<Vec<(usize, f64)>> {
     let samples = match comparison.stated {
         [Stated::Samples(of_golden), Stated::Samples(of_test)] => [of_golden, of_test],
         // It has no noise; of a sample of the test image the guard says more.
@@ -225,78 +193,14 @@ fn chances_of_black(comparison: &Comparison<'_>, hits: &Hits) -> Option<Vec<(usi
             let near = around(index, size, REACH).map(of_pixel);
             let variance = near.fold(known * samples[1], f64::max);
             // Nearly black values may be rounded to black.
-            (mean > DARK).then(|| all_zero(samples[1], mean, variance))
+            (mean > DARK)
+                .then(|| math::exp(samples[1] * math::ln(variance / (variance + mean * mean))))
         };
         // All channels have to be 0, which is no likelier than that one is.
         let bound = (0..3).filter_map(of_channel).fold(1.0, f64::min);
-        (bound < 1.0).then(|| {
-            (
-                index,
-                bound.min(hits.none_at(index % size[0], index / size[0])),
-            )
-        })
+        (bound < 1.0).then_some((index, bound))
     };
     Some((0..size[0] * size[1]).filter_map(bound).collect())
-}
-
-/// Least number of samples that are not 0 in the pixels beside a pair, and of those that are: of light that arrives
-/// in most samples or in few, many pixels have the same mean.
-const VARIED: f64 = 3.0;
-
-/// A reason if a line of the test image repeats the pixels of the line before: a renderer never wrote it, or
-/// enlarged an image. Means of independent samples are equal with a probability of 1/2 at most
-/// where their number that is not 0 varies, which the pixels on both sides of a pair show: a pair cannot be chosen
-/// by its own.
-pub(super) fn judge_repeated(
-    comparison: &Comparison<'_>,
-    hits: &Hits,
-    level: f64,
-) -> Option<String> {
-    let [_, test] = comparison.films;
-    let noise = test.noise().filter(|_| test.quantisation().is_none())?;
-    let samples = f64::from(noise.samples());
-    let is_varied = |i: usize| {
-        let hits = hits.of_test[i];
-        hits >= VARIED && samples - hits >= VARIED
-    };
-    // Beyond a rounding to either side.
-    let is_noisy = |i: usize| {
-        (0..3).any(|c| {
-            let value = f64::from(test.radiance()[i][c]);
-            let step = 2.0 * Difference::of(value, value, 0.0, comparison.rounding).rounding;
-            test.variance_at(i, c) > step * step
-        })
-    };
-    let (width, height) = (test.width(), test.height());
-    // By chance, with the number of the line, and of its pixels that are the same as those before.
-    let mut all = Vec::new();
-    for axis in Axis::BOTH {
-        let [lines, length] = axis.lines([width, height]);
-        let index = |line: usize, at: usize| axis.index(width, line, at);
-        for line in 1..lines {
-            let beside = [line.checked_sub(2), (line + 1 < lines).then_some(line + 1)];
-            let is_asked = |at: &usize| {
-                let mut beside = beside.iter().flatten();
-                beside.all(|&other| is_varied(index(other, *at))) && is_noisy(index(line, *at))
-            };
-            let asked = (0..length).filter(is_asked);
-            let is_same = |&at: &usize| {
-                test.radiance()[index(line - 1, at)] == test.radiance()[index(line, at)]
-            };
-            let [same, count] = [asked.clone().filter(is_same).count(), asked.count()];
-            let chance = at_least(same as u64, count as u64, 0.5);
-            all.push((chance, axis.name(), line, [same, count]));
-        }
-    }
-    let lines = all.len() as f64;
-    let (chance, what, line, [same, count]) = all.into_iter().min_by(|a, b| a.0.total_cmp(&b.0))?;
-    (lines * chance <= level).then(|| {
-        format!(
-            "{same} of {count} noisy pixels of {what} {line} are bit-identical to those of {what} {}: part of the image is \
-             repeated",
-            line - 1
-        )
-    })
 }
 
 /// Upper bound on the probability that `count` or more independent events happen, whose expected
@@ -311,36 +215,6 @@ fn many_by_chance(count: f64, expected: f64) -> f64 {
         return 0.0;
     }
     math::exp(count - expected + count * math::ln(expected / count))
-}
-
-/// Largest variance of a pixel up to which half precision, which has steps of 2⁻²⁴ there, may have made three numbers
-/// one.
-const FEW_BITS: f32 = 4.0 / 16_777_216.0;
-
-/// Fewest pixels that show one number for three variances.
-const RECOGNISED: u64 = 64;
-
-/// A reason if the test image states the same variance for its three channels, to the bit, wherever
-/// those of the reference differ twofold: it is of the luminance, or of one channel. No estimates of
-/// different numbers agree in so many pixels, so there is no chance to be allowed for.
-pub(super) fn judge_one_variance(comparison: &Comparison<'_>) -> Option<String> {
-    let [golden, test] = comparison.films.map(|film| film.noise());
-    let pairs = golden?.variance().iter().zip(test?.variance());
-    let (mut different, mut same) = (0, 0);
-    for (golden, test) in pairs {
-        let least = golden.iter().copied().fold(f32::INFINITY, f32::min);
-        let most = golden.iter().copied().fold(0.0, f32::max);
-        if most > 2.0 * least && test.iter().any(|variance| *variance > FEW_BITS) {
-            different += 1;
-            same += u64::from(test[0] == test[1] && test[1] == test[2]);
-        }
-    }
-    (same >= RECOGNISED && same == different).then(|| {
-        format!(
-            "the variances of red, green and blue are one number in each of {same} pixels where they \
-             should differ: state that of each channel, not of the luminance"
-        )
-    })
 }
 
 #[cfg(test)]

@@ -3,7 +3,6 @@
 use super::blocks::{Block, Difference};
 use super::comparison::Comparison;
 use super::finite;
-use super::variance::Stated;
 use crate::compare::advice::{Advice, Undecided};
 use crate::compare::promise::Promise;
 use crate::compare::significance::{critical, critical_estimated};
@@ -132,8 +131,6 @@ impl<'c> Limits<'c> {
         let advice = Advice {
             times: enough * safety,
             has: test.samples(),
-            renderings: test.renderings().unwrap_or(1),
-            is_stated: matches!(self.comparison.stated[1], Stated::Samples(_)),
         };
         Some((Undecided::Samples(advice), required))
     }

@@ -5,7 +5,7 @@
 //! than an eighth of a line of pixels.
 
 use super::blocks::{Block, Channel};
-use super::comparison::{Axis, Comparison};
+use super::comparison::Comparison;
 use super::{means, probability, side};
 use crate::compare::significance::{deviation, holm};
 use crate::film::CHANNELS;
@@ -28,8 +28,8 @@ pub(super) fn judge_scales(comparison: &Comparison<'_>, level: f64) -> Option<St
         return None;
     }
     let mut regions = squares(comparison);
-    for axis in Axis::BOTH {
-        regions.extend(bands(comparison, axis));
+    for lines in comparison.lines() {
+        regions.extend(bands(comparison, &lines));
     }
     let probabilities: Vec<f64> = regions.iter().map(|region| region.probability).collect();
     let rejected = holm(&probabilities, level);
@@ -78,8 +78,7 @@ fn squares(comparison: &Comparison<'_>) -> Vec<Region> {
 }
 
 /// Lines next to each other: 1, 2, 4 … but not all.
-fn bands(comparison: &Comparison<'_>, axis: Axis) -> Vec<Region> {
-    let lines = comparison.lines(axis);
+fn bands(comparison: &Comparison<'_>, lines: &[Block]) -> Vec<Region> {
     let mut bands = Vec::new();
     let mut width = 1;
     while width < lines.len() {

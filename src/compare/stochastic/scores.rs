@@ -153,10 +153,10 @@ pub(super) struct Fitted {
 
 impl<'s> Scores<'s> {
     /// Scores of the sensitivities in blocks; `None` without any.
-    pub fn new(comparison: &Comparison<'_>, all: &[&'s Sensitivity]) -> Option<Scores<'s>> {
+    pub fn new(comparison: &Comparison<'_>, all: &'s [Sensitivity]) -> Option<Scores<'s>> {
         let blocks = &comparison.blocks;
         let fits = |it: &&Sensitivity| it.derivative.radiance().len() == blocks.len();
-        let mut sensitivities: Vec<&Sensitivity> = all.iter().copied().filter(fits).collect();
+        let mut sensitivities: Vec<&Sensitivity> = all.iter().filter(fits).collect();
         let mut cells = cells(comparison, &sensitivities);
         // A derivative that is mostly noise says nothing: its square must be known to a quarter.
         let is_known = |k: usize| {

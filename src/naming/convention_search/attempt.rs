@@ -85,11 +85,10 @@ impl Residual {
 pub struct Attempt<'a> {
     exposure: f64,
     images: &'a Images<'a>,
-    /// The image with the step of the scene, and those with half of it, a quarter and so on.
-    tests: &'a [Film],
-    /// The pixels that sets are compared on, in the first of the images.
+    test: &'a Film,
+    /// The pixels that sets are compared on.
     lattice: Detail,
-    /// The first of the images there.
+    /// The image there.
     on_lattice: Film,
     /// The image in which nothing is drawn.
     nothing: Film,
@@ -135,38 +134,33 @@ impl Change {
 }
 
 impl<'a> Attempt<'a> {
-    /// The search in `tests`, at least one, at `exposure` stops, by `images` of the scene.
-    pub fn new(exposure: f64, tests: &'a [Film], images: &'a Images<'a>) -> Attempt<'a> {
+    /// The search in `test` at `exposure` stops, by `images` of the scene.
+    pub fn new(exposure: f64, test: &'a Film, images: &'a Images<'a>) -> Attempt<'a> {
         let scene = images.scene;
         let lattice = lattice_of(scene.width() * scene.height(), LATTICE);
         Attempt {
             exposure,
             images,
-            tests,
+            test,
             lattice,
-            on_lattice: pixels_of(&tests[0], scene, lattice),
+            on_lattice: pixels_of(test, scene, lattice),
             nothing: background(scene).expect("conventions are about volumes"),
         }
     }
 
-    /// The share of the pixels but for which all test images agree with those under the conventions of `set`, if they
-    /// do: 0 where they pass, and else what single precision may round.
+    /// The share of the pixels but for which the image agrees with that under the conventions of `set`, if it does: 0
+    /// where it passes, and else what single precision may round.
     pub fn agreement(&self, set: &[usize]) -> Option<f64> {
-        let tests = self.tests.iter().enumerate();
-        tests
-            .map(|(halvings, test)| {
-                let right = self.images.under(set, halvings, Detail::Whole)?;
-                if !makes_what_shows(&right, test, &self.nothing) {
-                    return None;
-                }
-                if self.passes(&right, test, false) {
-                    return Some(0.0);
-                }
-                let residual = Residual::of(&right, test);
-                let is_rounding = residual.worst <= CAP && self.passes(&right, test, true);
-                is_rounding.then_some(residual.outside.max(f64::MIN_POSITIVE))
-            })
-            .try_fold(0.0, |most: f64, share| Some(most.max(share?)))
+        let right = self.images.under(set, Detail::Whole)?;
+        if !makes_what_shows(&right, self.test, &self.nothing) {
+            return None;
+        }
+        if self.passes(&right, self.test, false) {
+            return Some(0.0);
+        }
+        let residual = Residual::of(&right, self.test);
+        let is_rounding = residual.worst <= CAP && self.passes(&right, self.test, true);
+        is_rounding.then_some(residual.outside.max(f64::MIN_POSITIVE))
     }
 
     /// The conventions under which the images agree, none of them without need, and that share of the pixels.
@@ -182,17 +176,12 @@ impl<'a> Attempt<'a> {
         if !self.shows_step(set) {
             return false;
         }
-        let (mut differs, mut before, mut left) = (false, 0.0_f64, 0.0_f64);
-        for (halvings, test) in self.tests.iter().enumerate() {
-            let images = [&[], set].map(|set| self.images.under(set, halvings, Detail::Whole));
-            let [Some(own), Some(under)] = images else {
-                return false;
-            };
-            before = before.max(Residual::of(&own, test).outside);
-            left = left.max(Residual::of(&under, test).outside);
-            differs |= !self.passes(&own, &under, false);
-        }
-        differs && (but_for == 0.0 || left <= LEFT_BY_ROUNDING * before)
+        let images = [&[], set].map(|set| self.images.under(set, Detail::Whole));
+        let [Some(own), Some(under)] = images else {
+            return false;
+        };
+        let [before, left] = [&own, &under].map(|right| Residual::of(right, self.test).outside);
+        !self.passes(&own, &under, false) && (but_for == 0.0 || left <= LEFT_BY_ROUNDING * before)
     }
 
     /// True of a set without a step, and of one whose image differs by more than the gate allows from that with the
@@ -203,7 +192,7 @@ impl<'a> Attempt<'a> {
         if others.len() == set.len() {
             return true;
         }
-        let image = |set: &[usize]| self.images.under(set, 0, Detail::Whole);
+        let image = |set: &[usize]| self.images.under(set, Detail::Whole);
         let images = image(&others).zip(image(set));
         images.is_some_and(|(without, with)| !self.passes(&without, &with, false))
     }
@@ -273,7 +262,7 @@ impl<'a> Attempt<'a> {
         let rendered: Option<Vec<_>> = new
             .into_par_iter()
             .map(|set| {
-                let image = self.images.under(&set, 0, self.lattice)?;
+                let image = self.images.under(&set, self.lattice)?;
                 let candidate = Candidate {
                     residual: Residual::of(&image, &self.on_lattice),
                     deviations: deviations(&image, &self.on_lattice),
@@ -347,7 +336,7 @@ impl<'a> Attempt<'a> {
 
     /// Agreement of the whole images, where that on the lattice does not exclude it.
     pub fn agreement_if_near(&self, set: &[usize]) -> Option<f64> {
-        let image = self.images.under(set, 0, self.lattice)?;
+        let image = self.images.under(set, self.lattice)?;
         let is_near = Residual::of(&image, &self.on_lattice).outside <= MOST_OUTSIDE;
         is_near.then(|| self.agreement(set))?
     }

@@ -26,11 +26,9 @@ impl<'a> Images<'a> {
         }
     }
 
-    /// The image under the conventions of `set`, with the step of the scene halved `halvings` times. `None` after the
-    /// latest end.
-    pub fn under(&self, set: &[usize], halvings: usize, detail: Detail) -> Option<Film> {
-        let scene = under(self.scene, set).with_halved_steps(halvings);
-        self.of_scene(&scene, detail)
+    /// The image under the conventions of `set`. `None` after the latest end.
+    pub fn under(&self, set: &[usize], detail: Detail) -> Option<Film> {
+        self.of_scene(&under(self.scene, set), detail)
     }
 
     /// The image of `scene`, the scene of this search under any conventions. `None` after the latest end.

@@ -112,14 +112,6 @@ impl<'s> SearchClock<'s> {
         }
     }
 
-    /// Continues after other cases were searched.
-    pub fn resumed(self) -> SearchClock<'s> {
-        SearchClock {
-            end: latest_end(self.search),
-            ..self
-        }
-    }
-
     pub fn predictions(&self) -> &'s Predictions {
         self.search.predictions
     }

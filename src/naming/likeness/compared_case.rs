@@ -3,7 +3,6 @@
 use super::clock::{SearchClock, Stage};
 use super::hypothesis::{Explaining, Hypothesis};
 use super::predictor::{Look, Predictor, pixels_of};
-use super::silhouette::silhouette;
 use crate::compare::coarse::Coarse;
 use crate::compare::deterministic::in_tolerances;
 use crate::compare::unexplained::{
@@ -12,7 +11,7 @@ use crate::compare::unexplained::{
 use crate::compare::{Conditions, Gate, NumberChange, Picture, default_gate, judge, measured};
 use crate::film::{Film, Quantisation};
 use crate::judging::Judged;
-use crate::judging::measured::{SimpleMap, simple};
+use crate::judging::measured::gain;
 use crate::judging::nothing_drawn::background;
 use crate::math;
 use crate::scene::Scene;
@@ -83,8 +82,8 @@ pub(super) struct ComparedCase {
     pub index: usize,
     /// Name of the case.
     pub name: String,
-    /// The simple map of values from the golden to the image, which the verdict states already.
-    pub simple: Option<SimpleMap>,
+    /// The image is the golden times a factor, as far as the gate can tell, which the verdict states.
+    pub is_gain: bool,
     /// The colours are right, and opacity is not.
     pub is_of_opacity: bool,
     /// Work that the search for its conventions took, in events of kernels.
@@ -154,7 +153,7 @@ impl ComparedCase {
         let mut case = ComparedCase {
             index,
             name: case.name.clone(),
-            simple: (picture.radiance()).and_then(|_| simple(case, &golden, &picture)),
+            is_gain: picture.radiance().is_some() && gain(case, &golden, &picture).is_some(),
             is_of_opacity: gate == Gate::Deterministic && has_right_colours(&golden, &picture),
             spent: judged.evidence.work_of_search,
             is_sampled,
@@ -187,21 +186,14 @@ impl ComparedCase {
         !self.is_sampled || !self.few.golden.agrees(&self.few.test)
     }
 
-    /// True if the image is the golden times a factor, as far as the gate can tell: then it shows
-    /// no curve of values.
-    pub fn is_gain(&self) -> bool {
-        self.simple.as_ref().is_some_and(|map| map.is_gain)
-    }
-
     /// Places of the difference as sentences; none where the verdict says how the image
     /// follows from the golden.
     pub fn measured_difference(&self) -> Vec<String> {
         let test = self.picture.radiance();
-        let Some(test) = test.filter(|_| self.simple.is_none() && !self.is_of_opacity) else {
+        let Some(test) = test.filter(|_| !self.is_gain && !self.is_of_opacity) else {
             return Vec::new();
         };
-        let border = silhouette(self.scene());
-        measured(&self.kept.film(&self.golden), test, border.as_deref())
+        measured(&self.kept.film(&self.golden), test)
     }
 
     /// `film`, a prediction of the whole image or in a look, in the pixels of `view`.
@@ -231,11 +223,11 @@ impl ComparedCase {
             || whole.at_least() > 0.0 && left.at_most() <= UNEXPLAINED_IN_NOISE * whole.value
     }
 
-    /// The scene with a change, rendered with few pixels from the random numbers of a `seed`.
-    pub fn few_of(&self, edited: &Scene, seed: u64, clock: &SearchClock<'_>) -> Option<Coarse> {
+    /// The scene with a change, rendered with few pixels.
+    pub fn few_of(&self, edited: &Scene, clock: &SearchClock<'_>) -> Option<Coarse> {
         let samples = self.predictor.looks[self.predictor.looks.len() / 2].1;
         let look = (self.predictor.few().0, samples);
-        let film = self.predictor.rendered(edited, look, seed, clock)?;
+        let film = self.predictor.rendered(edited, look, 0, clock)?;
         self.seen(&film, &self.few)
     }
 
@@ -271,18 +263,6 @@ impl ComparedCase {
         };
         let (gate, _) = default_gate(&film, &self.picture);
         judge(gate, &film, &self.picture, &conditions).is_ok_and(|judgement| judgement.passed)
-    }
-
-    /// True if the image with `hypothesis` passes for this one.
-    pub fn agrees_with(&self, hypothesis: &Hypothesis, clock: &SearchClock<'_>) -> Option<bool> {
-        let looks = &self.predictor.looks;
-        let film = self.predict(hypothesis, looks[looks.len() / 2], clock)?;
-        Some(if self.is_sampled {
-            self.seen(&film, &self.few)?.agrees(&self.few.test)
-        } else {
-            let left = self.few.left(&self.seen(&film, &self.few)?);
-            self.passes(&film, &left)
-        })
     }
 
     fn predict(
@@ -336,9 +316,7 @@ impl ComparedCase {
 
     /// Mistakes that may explain the image.
     fn suspected(&self) -> Vec<Hypothesis> {
-        Hypothesis::singles(|mistake| {
-            mistake.is_of_opacity() == self.is_of_opacity && !(self.is_gain() && mistake.is_curve())
-        })
+        Hypothesis::singles(|mistake| mistake.is_of_opacity() == self.is_of_opacity)
     }
 
     /// The mistakes that explain the image, nearest first; the usual pairs, where none does by itself.

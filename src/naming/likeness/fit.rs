@@ -9,10 +9,8 @@
 //! A change is a finding only if the scene, rendered again with it, passes for the image: one that merely lies near is
 //! "as if".
 //!
-//! In noise, the noise of a prediction is in its derivatives as well as in the residual, which biases a fit. So the last
-//! steps take derivatives from one seed and residuals from another (an instrumental variable: Durbin 1954, "Errors in
-//! variables", Review of the International Statistical Institute 22, 23–32). Where these steps do not come to rest, no
-//! interval is stated.
+//! In noise, the noise of a prediction is in its derivatives as well as in the residual, which biases a fit: no interval is
+//! stated.
 
 use super::clock::SearchClock;
 use super::compared_case::ComparedCase;
@@ -58,12 +56,6 @@ const BESIDE: f64 = 4.0;
 /// more digits.
 const CLOSE: f64 = 0.002;
 
-/// Largest number of steps that correct a fit for the noise of its derivatives.
-const CORRECTIONS: usize = 4;
-
-/// Part of a last step that counts as an error: the derivative at the wrong place.
-const CURVED: f64 = 0.5;
-
 /// Range of the fit: shares down to a twentieth and up to ten times a parameter, others this many of
 /// their steps away. Near its ends a fit was stopped, not found.
 const SHARES: [f64; 2] = [-0.95, 9.0];
@@ -101,8 +93,8 @@ struct Fitting<'f> {
     case: &'f ComparedCase,
     clock: &'f SearchClock<'f>,
     parameters: Vec<Number>,
-    /// The scene as it is, once for each seed.
-    unchanged: [OnceCell<Option<Coarse>>; 2],
+    /// The scene as it is.
+    unchanged: OnceCell<Option<Coarse>>,
     /// Derivatives of the image by each parameter, where it has one.
     derivatives: Vec<Option<Vector>>,
 }
@@ -167,7 +159,7 @@ impl<'f> Fitting<'f> {
         let mut fitting = Fitting {
             case,
             clock,
-            unchanged: Default::default(),
+            unchanged: OnceCell::new(),
             derivatives: Vec::new(),
             parameters,
         };
@@ -175,7 +167,7 @@ impl<'f> Fitting<'f> {
         let derivative = |at: usize| {
             let step = fitting.parameters[at].step;
             [step, -step].into_iter().find_map(|step| {
-                let moved = fitting.predicted(&[at], &[step], 0)?.values();
+                let moved = fitting.predicted(&[at], &[step])?.values();
                 Some(scaled(&difference(&moved, &golden), 1.0 / step))
             })
         };
@@ -212,7 +204,9 @@ impl<'f> Fitting<'f> {
         };
         fits.retain(|fit| self.leaves(fit, LEFT));
         if self.case.is_sampled {
-            fits = fits.into_iter().map(|fit| self.corrected(fit)).collect();
+            // The noise of derivatives biases a fit by what nobody knows.
+            fits.iter_mut()
+                .for_each(|fit| fit.errors.fill(f64::INFINITY));
         }
         let most = fits.iter().map(|fit| fit.left.at_most());
         let least = most.fold(f64::INFINITY, f64::min);
@@ -284,7 +278,7 @@ impl<'f> Fitting<'f> {
         let mut now = (from, before.predicted.clone(), before.left);
         'steps: for _ in 0..STEPS {
             let rest = difference(&self.case.few.test.values(), &now.1.values());
-            let (mut step, _) = self.step(&derivatives, &derivatives, &rest)?;
+            let (mut step, _) = self.step(&derivatives, &rest)?;
             for _ in 0..=HALVINGS {
                 let changes = self.after(&chosen, &now.0, step);
                 let made: Vec<f64> = difference(&changes, &now.0);
@@ -292,7 +286,7 @@ impl<'f> Fitting<'f> {
                 if made.iter().zip(&steps).all(is_small) {
                     break 'steps;
                 }
-                let predicted = self.predicted(&chosen, &changes, 0)?;
+                let predicted = self.predicted(&chosen, &changes)?;
                 update(&mut derivatives, &steps, &made, (&now.1, &predicted));
                 let left = self.case.few.left(&predicted);
                 if left.value < now.2.value {
@@ -305,7 +299,7 @@ impl<'f> Fitting<'f> {
         }
         let (changes, predicted, left) = now;
         let rest = difference(&self.case.few.test.values(), &predicted.values());
-        let (_, errors) = self.step(&derivatives, &derivatives, &rest)?;
+        let (_, errors) = self.step(&derivatives, &rest)?;
         // The last step was not made.
         let with_last =
             |(error, step): (&f64, &f64)| (error * error + (CLOSE * step) * (CLOSE * step)).sqrt();
@@ -328,17 +322,11 @@ impl<'f> Fitting<'f> {
         .collect()
     }
 
-    /// The changes that lead along `derivatives` nearest to the end of `rest`, by the derivatives of `instruments`; and
-    /// their standard errors by what is left in each block, whatever its cause (White 1980, Econometrica 48, 817–838).
+    /// The changes that lead along `derivatives` nearest to the end of `rest`; and their standard errors by what is left in each block, whatever its cause (White 1980, Econometrica 48, 817–838).
     /// The channels of a block may share their noise.
-    fn step(
-        &self,
-        derivatives: &[Vector],
-        instruments: &[Vector],
-        rest: &Vector,
-    ) -> Option<(DVec3, Vec<f64>)> {
+    fn step(&self, derivatives: &[Vector], rest: &Vector) -> Option<(DVec3, Vec<f64>)> {
         let mut squares = DMat3::IDENTITY;
-        for (i, a) in instruments.iter().enumerate() {
+        for (i, a) in derivatives.iter().enumerate() {
             for (j, b) in derivatives.iter().enumerate() {
                 squares.col_mut(j)[i] = self.product(a, b);
             }
@@ -353,7 +341,7 @@ impl<'f> Fitting<'f> {
                         .map(|at| weights[at] * d[at] * rest[at])
                         .sum()
                 };
-                instruments.get(i).map_or(0.0, of)
+                derivatives.get(i).map_or(0.0, of)
             };
             let pull = DVec3::from_array([0, 1, 2].map(pull));
             along += pull;
@@ -368,63 +356,17 @@ impl<'f> Fitting<'f> {
         step.is_finite().then_some((step, errors))
     }
 
-    /// `fit` after steps by derivatives of another seed, whose noise the residual does not have.
-    fn corrected(&self, mut fit: Fit) -> Fit {
-        fit.errors.fill(f64::INFINITY);
-        for _ in 0..CORRECTIONS {
-            let derivatives = [0, 1].map(|seed| self.derivatives_at(&fit, seed));
-            let [Some(derivatives), Some(instruments)] = derivatives else {
-                break;
-            };
-            let rest = difference(&self.case.few.test.values(), &fit.predicted.values());
-            let Some((step, errors)) = self.step(&derivatives, &instruments, &rest) else {
-                break;
-            };
-            let changes = self.after(&fit.chosen, &fit.changes, step);
-            let Some(predicted) = self.predicted(&fit.chosen, &changes, 0) else {
-                break;
-            };
-            let made = difference(&changes, &fit.changes);
-            fit.left = self.case.few.left(&predicted);
-            (fit.changes, fit.predicted) = (changes, predicted);
-            let mut both = made.iter().zip(&errors);
-            if both.all(|(made, error)| made.abs() <= *error) {
-                let with_step = |(error, made): (&f64, &f64)| {
-                    (error * error + CURVED * CURVED * made * made).sqrt()
-                };
-                fit.errors = errors.iter().zip(&made).map(with_step).collect();
-                break;
-            }
-        }
-        fit
-    }
-
-    /// Derivatives at the changes of `fit`, by the random numbers of a seed.
-    fn derivatives_at(&self, fit: &Fit, seed: u64) -> Option<Vec<Vector>> {
-        let now = self.predicted(&fit.chosen, &fit.changes, seed)?.values();
-        let by = |(i, &at): (usize, &usize)| {
-            let step = self.parameters[at].step;
-            [step, -step].into_iter().find_map(|step| {
-                let mut changes = fit.changes.clone();
-                changes[i] += step;
-                let moved = self.predicted(&fit.chosen, &changes, seed)?.values();
-                Some(scaled(&difference(&moved, &now), 1.0 / step))
-            })
-        };
-        fit.chosen.iter().enumerate().map(by).collect()
-    }
-
     /// The image with these changes: the golden, and what the changes make of the same random numbers.
-    fn predicted(&self, chosen: &[usize], changes: &[f64], seed: u64) -> Option<Coarse> {
+    fn predicted(&self, chosen: &[usize], changes: &[f64]) -> Option<Coarse> {
         if self.clock.is_late() {
             return None;
         }
         let rendered = |scene: &Scene| {
-            let image = self.case.few_of(scene, seed, self.clock)?;
+            let image = self.case.few_of(scene, self.clock)?;
             image.has_size_of(&self.case.few.golden).then_some(image)
         };
-        let unchanged = &self.unchanged[seed as usize];
-        let before = unchanged
+        let before = self
+            .unchanged
             .get_or_init(|| rendered(self.case.scene()))
             .as_ref()?;
         let after = rendered(&self.changed(chosen, changes)?)?;
@@ -448,14 +390,7 @@ impl<'f> Fitting<'f> {
         let changes = fit.chosen.iter().enumerate().map(|(i, &at)| {
             let parameter = &self.parameters[at];
             let error = Some(fit.errors[i]).filter(|error| error.is_finite());
-            let unit = parameter.unit;
-            let words = change_in_words(&parameter.words(), unit, fit.changes[i], error);
-            let view =
-                (parameter.name() == "camera.view").then(|| self.changed(&[at], &[fit.changes[i]]));
-            match view.flatten().as_ref().and_then(field_of_view) {
-                Some(angle) => format!("{words} (a field of view of {angle:.2} degrees)"),
-                None => words,
-            }
+            change_in_words(&parameter.words(), parameter.unit, fit.changes[i], error)
         });
         changes.collect::<Vec<_>>().join(" and ")
     }
@@ -474,13 +409,6 @@ fn update(derivatives: &mut [Vector], steps: &[f64], made: &[f64], (from, to): (
         let share = -made / (step * step) / length;
         *derivative = difference(derivative, &scaled(&missed, share));
     }
-}
-
-/// Field of view in degrees; `None` for an orthographic camera.
-fn field_of_view(scene: &Scene) -> Option<f64> {
-    let mut cameras = scene.panels.iter().filter_map(|panel| panel.model.camera());
-    let camera = cameras.next().filter(|camera| !camera.is_orthographic())?;
-    Some(camera.vertical_fov().to_degrees())
 }
 
 /// Range of the changes of a parameter in a fit.

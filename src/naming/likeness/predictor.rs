@@ -17,9 +17,6 @@ const SEED: u64 = 0x7072_6564_6963_7400;
 /// a test image of the suite, or more, so that its own noise is no longer the larger one.
 const SAMPLES: [u32; 3] = [64, 512, 2048];
 
-/// Samples in a block by which the work of a ray is counted.
-const COUNTED: u32 = 16;
-
 /// Samples in a pixel of a scene without random numbers that asks for some: of a plot.
 const WITHOUT_NOISE: u32 = 4;
 
@@ -42,8 +39,6 @@ pub(super) struct Predictor {
     pub scene: Scene,
     /// Looks at an image, from few pixels or samples to many.
     pub looks: Vec<Look>,
-    /// Work of a ray from the eye, in events.
-    work_of_a_ray: f64,
 }
 
 impl Predictor {
@@ -63,36 +58,11 @@ impl Predictor {
             looks.dedup();
             looks
         };
-        let mut predictor = Predictor {
+        Predictor {
             name: name.to_owned(),
             scene,
             looks,
-            work_of_a_ray: 0.0,
-        };
-        let (detail, samples) = predictor.few();
-        let look = (detail, samples.min(COUNTED));
-        let counted = render_part(
-            &plans(&predictor.scene),
-            sampling(look.1, 0),
-            detail,
-            &|| false,
-            &|| (),
-        );
-        let events = counted.map_or(0, |coarse| {
-            let of_panel =
-                |work: &Counters| Event::ALL.iter().map(|&event| work[event]).sum::<u64>();
-            coarse.work.iter().map(of_panel).sum()
-        });
-        // A ray that meets nothing takes a little as well.
-        predictor.work_of_a_ray = 1.0 + events as f64 / predictor.rays(look);
-        predictor
-    }
-
-    /// Number of rays from the eye in one look.
-    fn rays(&self, (detail, samples): Look) -> f64 {
-        let panels = self.scene.panels.iter();
-        let columns: usize = panels.map(|it| detail.columns(it.width).count()).sum();
-        (columns * detail.rows(self.scene.height()).count()) as f64 * f64::from(samples)
+        }
     }
 
     /// The look with the fewest pixels, or samples.
@@ -105,13 +75,6 @@ impl Predictor {
         self.looks[self.looks.len() - 1]
     }
 
-    /// Counts the work of a look; false if the search is to end, and there is to be none.
-    fn begins(&self, look: Look, clock: &SearchClock<'_>) -> bool {
-        let begins = !clock.is_over();
-        clock.spend((self.work_of_a_ray * self.rays(look)) as u64);
-        begins
-    }
-
     /// A look with the random numbers of a `seed` from 0 at `edited`, the scene with a change; nothing if that cannot be
     /// rendered, or if the search is to end.
     pub fn rendered(
@@ -121,7 +84,7 @@ impl Predictor {
         seed: u64,
         clock: &SearchClock<'_>,
     ) -> Option<Film> {
-        self.begins((detail, samples), clock).then_some(())?;
+        (!clock.is_over()).then_some(())?;
         let plans = plans(edited);
         // A block of a scene that the change has left without random numbers is no mean, but one ray.
         let detail = match detail {
@@ -129,8 +92,12 @@ impl Predictor {
             detail => detail,
         };
         let stopped = || clock.is_stopped();
-        let rendering = render_part(&plans, sampling(samples, seed), detail, &stopped, &|| ());
-        Some(rendering.ok()?.film)
+        let made = render_part(&plans, sampling(samples, seed), detail, &stopped, &|| ()).ok()?;
+        // A ray that meets nothing takes a little as well.
+        let rays = made.film.radiance().len() as u64 * u64::from(samples);
+        let of_panel = |work: &Counters| Event::ALL.iter().map(|&event| work[event]).sum::<u64>();
+        clock.spend(rays + made.work.iter().map(of_panel).sum::<u64>());
+        Some(made.film)
     }
 
     /// The image that `hypothesis` would make, of the scene or of its `golden`; nothing where it has no occasion, or where
@@ -164,11 +131,14 @@ impl Predictor {
         clock: &SearchClock<'_>,
     ) -> Option<Film> {
         let key = (self.name.clone(), *hypothesis, format!("{look:?}"));
-        if let Some(film) = clock.predictions().get(&key) {
-            return self.begins(look, clock).then_some(film);
+        let before = clock.work();
+        if let Some((film, work)) = clock.predictions().get(&key) {
+            return clock.spend(work).then_some(film);
         }
         let film = self.rendered(scene, look, 0, clock)?;
-        clock.predictions().put(key, &film);
+        clock
+            .predictions()
+            .put(key, (film.clone(), clock.work() - before));
         Some(film)
     }
 }

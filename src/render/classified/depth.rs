@@ -30,22 +30,6 @@ pub fn depth(scene: &Scene, depth: Depth) -> Result<Vec<f32>, String> {
     )
 }
 
-/// Distance of the first sample or surface with any opacity, in place of a [`depth`].
-///
-/// # Errors
-///
-/// As of [`depth`].
-pub fn first_opacity(scene: &Scene, along_view: bool) -> Result<Vec<f32>, String> {
-    of_pixels(scene, along_view, |_, passed, ray| match passed {
-        Passed::Integral(integral) => integral.first_opacity(ray),
-        Passed::Layers(layers) => {
-            let layers = layers(ray);
-            let first = layers.iter().find(|layer| layer.depth > 0.0);
-            first.map_or(f64::INFINITY, |layer| layer.t)
-        }
-    })
-}
-
 /// A distance of each pixel, from the volume of its panel, what rays pass there, and its ray.
 fn of_pixels(
     scene: &Scene,

@@ -252,14 +252,6 @@ impl<'s> RayIntegrator<'s> {
         hit.map(|(hit, _)| hit.t)
     }
 
-    /// Distance along `ray` of the first opacity; infinite where there is none.
-    pub fn first_opacity(&self, ray: &Ray) -> f64 {
-        let surface = self.surface(ray);
-        let end = surface.unwrap_or(f64::INFINITY);
-        let way = self.way(ray, end);
-        way.pieces().next().map_or(end, |(piece, _)| piece[0])
-    }
-
     /// Depth along `ray`: the mean `∫ t dα / α` over the opacity `α`, or where `α` reaches one `half`. Infinite where
     /// there is none.
     pub fn depth(&self, ray: &Ray, half: bool) -> f64 {

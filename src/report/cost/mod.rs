@@ -91,8 +91,8 @@ pub fn cost_html(command: &str, costs: &[Cost], machine: Option<&Machine>) -> St
 
 /// Columns of the files in their order, each with the place of its values where that is another. Times come last, so that
 /// two runs can be compared without them.
-const OF_SWEEPS: &str = "scene panel sweep=sweep/name parameter=sweep/parameter setting value {work} l1=error/l1 l2=error/l2 \
-    max=error/max l2_uncertainty=error/uncertainty local_order fitted_order=sweep/order/fitted \
+const OF_SWEEPS: &str = "scene panel sweep=sweep/name parameter=sweep/parameter setting value {work} l2=error/l2 \
+    l2_uncertainty=error/uncertainty local_order fitted_order=sweep/order/fitted \
     expected_order=sweep/order/expected verdict=sweep/order/verdict reference_bound=sweep/reference/bound {times}";
 const OF_EFFECTS: &str = "scene panel effect {work} times_lookups {times}";
 const TIMES: &str = "runs=time/runs median_seconds=time/median min_seconds=time/min max_seconds=time/max \

@@ -2,7 +2,6 @@
 
 use super::words;
 use crate::cost::effects::EffectPrice;
-use crate::cost::norms::Norms;
 use crate::cost::{Cost, Event, Level, MeanWork, Parameter, Sweep};
 use serde::Serialize;
 
@@ -95,20 +94,11 @@ fn sweep(sweep: &Sweep) -> Table {
     };
     let work = levels.iter().map(|level| &level.work);
     columns_of_work(&mut table, work.collect());
-    type Error = fn(&Norms) -> f64;
-    let errors: [(_, Error, bool); 3] = [
-        ("mean error", |error| error.l1, false),
-        ("RMS error", |error| error.l2, true),
-        ("largest", |error| error.max, false),
-    ];
-    for (head, error, is_rms) in errors {
-        let shown = |level: &Level| {
-            let is_near = is_rms && level.error.l2 <= known;
-            let mark = if is_near { "° " } else { "" };
-            Some(format!("{mark}{}", words::error(error(&level.error))))
-        };
-        table.column(head, levels.iter().map(shown));
-    }
+    let error = |level: &Level| {
+        let mark = if level.error.l2 <= known { "° " } else { "" };
+        Some(format!("{mark}{}", words::error(level.error.l2)))
+    };
+    table.column("RMS error", levels.iter().map(error));
     let local = std::iter::once(&None).chain(&sweep.order.local);
     table.column(
         "order",

@@ -20,13 +20,9 @@ pub(super) fn scene(cost: &Cost) -> String {
 pub(super) fn order(order: &ConvergenceOrder) -> String {
     let verdict = match order.verdict {
         OrderVerdict::AsExpected => "✓ as expected",
-        OrderVerdict::TooFewRays => "≈ as expected, as far as so few pixels tell",
         OrderVerdict::Otherwise => "✗ not as expected",
         OrderVerdict::Undecided => {
-            "? undecided: too few settings are fine enough and above the error of the reference"
-        }
-        OrderVerdict::NotYetAPower => {
-            "~ no power yet: the order still changes from setting to setting"
+            "? undecided: too few settings count, or the order still changes"
         }
         OrderVerdict::NothingExpected => "– no order is expected",
     };

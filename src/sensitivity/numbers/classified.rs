@@ -115,20 +115,13 @@ pub(super) fn shared(scene: &Classified) -> Vec<Number> {
     numbers.filter(is_of_all).collect()
 }
 
-/// Numbers of a volume that others do not share; its place is that of its map.
+/// Numbers of a volume that others do not share.
 pub(super) fn own(scene: &Classified) -> Vec<Number> {
-    let is_of_place = |number: &Number| {
-        let (of, _) = number.kind.split_once('.').unwrap_or_default();
-        ["grid", "turn", "size"].contains(&of)
-    };
-    let numbers = numbers(scene).into_iter();
-    let of_look = numbers.filter(|number| !is_of_all(number) && !is_of_place(number));
-    let edges = scene.cell_edges();
-    let moved = edges.into_iter().enumerate().map(|(axis, edge)| {
-        let map = move |change: f64| Transform::translation(edge * change);
-        Number::new(along(GRID, axis), 0.05, placed(map, false)).per("voxels")
-    });
-    of_look.chain(moved).chain(turn_and_size()).collect()
+    let own = numbers(scene)
+        .into_iter()
+        .filter(|number| !is_of_all(number));
+    let of_map = turn_and_size().filter(|_| scene.to_world.is_none());
+    own.chain(of_map).collect()
 }
 
 fn is_of_all(number: &Number) -> bool {
@@ -139,13 +132,8 @@ fn is_of_all(number: &Number) -> bool {
 pub(super) fn place(scene: &Classified) -> impl Iterator<Item = Number> {
     let edges = scene.cell_edges().into_iter().enumerate();
     edges.map(|(axis, edge)| {
-        // The grid moves one way where eye and light move the other.
-        let edit = move |volume: &mut Classified, change: f64| {
-            let offset = edge * -change;
-            volume.light += offset;
-            volume.camera = volume.camera.with_eye_moved(offset);
-        };
-        Number::volume(along(GRID, axis), 0.05, edit).per("voxels")
+        let map = move |change: f64| Transform::translation(edge * change);
+        Number::new(along(GRID, axis), 0.05, placed(map, false)).per("voxels")
     })
 }
 

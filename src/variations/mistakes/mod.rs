@@ -89,17 +89,6 @@ impl Mistake {
         matches!(self.edit, Edit::Pixels(_))
     }
 
-    /// It edits each value of the image, and not by a factor alone.
-    pub(crate) fn is_curve(&self) -> bool {
-        let probe = Film::new(3, 1, vec![[0.1; 3], [0.5; 3], [2.0; 3]]);
-        let Some(film) = self.in_image(&probe).filter(|_| self.is_of_single_pixels()) else {
-            return false;
-        };
-        let factor = |index: usize| film.radiance()[index][0] / probe.radiance()[index][0];
-        // A factor is the same for all but for rounding.
-        (1..3).any(|index| (factor(index) / factor(0) - 1.0).abs() > 1e-5)
-    }
-
     /// `scene` with the mistake; `None` if it does not apply, or if it is one of the image.
     pub fn in_scene(&self, scene: &Scene) -> Option<Scene> {
         let mut scene = scene.clone();

@@ -277,7 +277,7 @@ pub fn hostile() -> Sample {
         test: Some(Picture::Radiance(edited(&film, |_, _, pixel| {
             pixel.map(|v| 2.0 * v)
         }))),
-        refined: Vec::new(),
+        at_step: None,
         exposure: 0.0,
         source: text(),
         shows: text(),
