@@ -100,7 +100,6 @@ pub mod reference;
 pub mod render;
 mod renderers;
 pub mod report;
-pub mod runs;
 pub mod scene;
 pub mod sensitivity;
 pub mod suite;

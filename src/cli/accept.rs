@@ -5,8 +5,8 @@ use super::output::{self, Json};
 use super::partition::PartitionArgument;
 use super::suite::Selection;
 use super::{Outcome, progress};
-use crate::runs;
-use crate::runs::{AcceptRequest, Accepted, Change};
+use crate::judging;
+use crate::judging::{AcceptRequest, Accepted, Change};
 use serde_json::json;
 
 /// Render cases and accept the images as new goldens
@@ -47,7 +47,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         .retain(&mut cases, |case| case.name.clone())?;
     let bar = progress::counted(cases.len());
     let store = suite.store();
-    let accepted = runs::accept(&cases, &store, request, &bar, &|step| bar.show(step));
+    let accepted = judging::accept(&cases, &store, request, &bar, &|step| bar.show(step));
     bar.finish_and_clear();
     let accepted = accepted.map_err(|error| Failure {
         exit: Exit::BadInput,

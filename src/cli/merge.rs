@@ -13,11 +13,11 @@ use crate::conventions::Profile;
 use crate::film::Film;
 use crate::judging;
 use crate::judging::{
-    CaseResult, CaseTrials, Cause, Evidence, Judged, JudgedWith, SelfTest, SelfTestCases, Verdict,
+    CaseResult, CaseTrials, Cause, Evidence, Judged, JudgedWith, KeptResult, Part, ResultFolder,
+    Run, SelfTest, SelfTestCases, Verdict,
 };
 use crate::naming::Likenesses;
 use crate::report;
-use crate::runs::{KeptResult, Part, ResultFolder, Run};
 use crate::suite::{Case, Golden, Suite};
 use serde_json::json;
 use std::collections::BTreeMap;

@@ -1,10 +1,12 @@
-//! Verdicts on cases: `verify`, `validate` and the self-test.
+//! Verdicts on cases: `verify`, `validate` and the self-test; new goldens, and results of parts of a run.
 
+mod accept;
 pub(crate) mod decide;
 mod depth;
 pub(crate) mod evidence;
 pub(crate) mod finding;
 mod judged_with;
+mod kept_results;
 pub(crate) mod known;
 pub(crate) mod known_failure;
 mod known_file;
@@ -21,10 +23,12 @@ pub(crate) mod truth;
 pub(crate) mod validate;
 pub(crate) mod verify;
 
+pub use accept::{AcceptError, Accepted, Change, Request as AcceptRequest, accept};
 pub use decide::{Looks, share_of_look};
 pub use evidence::{Evidence, Likeness};
 pub use finding::Judged;
 pub(crate) use judged_with::JudgedWith;
+pub use kept_results::{KeptResult, Part, ResultFolder, Run};
 pub use known::{Known, KnownStatus};
 pub(crate) use known_failure::OF_PROFILE;
 pub(crate) use known_file::KnownFailures;

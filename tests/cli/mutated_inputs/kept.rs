@@ -1,7 +1,7 @@
 //! Results that one process leaves for another.
 
 use super::kinds::Workshop;
-use volref::runs::ResultFolder;
+use volref::judging::ResultFolder;
 
 /// Folder of the workshop with results of `verify`.
 pub const RESULTS: &str = "parts";

@@ -3,7 +3,7 @@
 use crate::judging::verify::verify_with;
 use crate::judging::{CaseResult, Verdict};
 use crate::render::{Plan, Progress, RenderError, Rendering, Sampling};
-use crate::runs::accept::*;
+use super::*;
 use crate::scene::Model;
 use crate::suite::Suite;
 use std::sync::Mutex;

@@ -3,12 +3,12 @@
 #[cfg(test)]
 mod tests;
 
+use super::Step;
+use super::finding::MARGIN;
+use super::truth::judge_by_truth;
+use super::verify::judge_quick;
 use crate::compare::{Conditions, Gate, Picture, judge, stochastic};
 use crate::film::Film;
-use crate::judging::Step;
-use crate::judging::finding::MARGIN;
-use crate::judging::truth::judge_by_truth;
-use crate::judging::verify::judge_quick;
 use crate::known_answers::Formula;
 use crate::render::{self, Watch, plans};
 use crate::scene::Scene;

@@ -4,12 +4,12 @@
 //! judged by any process anywhere. A run has a folder, with a file that describes it, one for each part, and the images
 //! that were judged.
 
+use super::{CaseResult, CaseTrials, Cause, Evidence, Judged};
 use crate::compare::Picture;
 use crate::files::atomic_file::directory_of;
 use crate::files::program_hash::hash;
 use crate::files::{own_file, regular_file};
 use crate::film::{Film, FilmFormat};
-use crate::judging::{CaseResult, CaseTrials, Cause, Evidence, Judged};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
