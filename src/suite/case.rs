@@ -19,8 +19,6 @@ use thiserror::Error;
 
 /// Folder of scenes, manifests and their files, relative to the root of the suite.
 const FIXTURES: &str = "fixtures";
-/// Folder of the scenes, relative to the root of the suite.
-const SCENES: &str = "fixtures/scenes";
 /// Folder of the manifests, relative to the root of the suite.
 const CASES: &str = "fixtures/cases";
 /// Folder of the goldens.
@@ -459,13 +457,6 @@ impl Suite {
     fn nearest(&self, filter: &str) -> String {
         let given = filter;
         let filter = pattern_of(given);
-        if let Some(scene) = self.scene_without_manifest(filter) {
-            let manifest = self.root.join(CASES).join(format!("{scene}.toml"));
-            return format!(
-                "there is a scene {scene}, but no manifest {}, which would make a case of it",
-                manifest.display()
-            );
-        }
         if self.cases.is_empty() {
             return format!("{CASES} is empty");
         }
@@ -480,17 +471,6 @@ impl Suite {
             None => all,
         }
     }
-
-    /// `family/name` of a scene without a manifest, of this name.
-    fn scene_without_manifest(&self, filter: &str) -> Option<String> {
-        let folder = self.root.join(SCENES);
-        let scenes = records(&folder).ok()?;
-        scenes.into_iter().find_map(|path| {
-            let name = path.strip_prefix(&folder).ok()?.with_extension("");
-            let name = name.to_str()?.replace('\\', "/");
-            (name == filter || parts(&name)[2] == filter).then_some(name)
-        })
-    }
 }
 
 /// The arguments that name the suite in the folder `root` in a command, with a blank before them; none where it is the
@@ -503,11 +483,11 @@ fn suite_option(root: &Path) -> String {
 }
 
 /// Names chosen by filters: everything where none names any, but for what is excluded.
-pub(crate) struct Chosen(Vec<String>);
+struct Chosen(Vec<String>);
 
 impl Chosen {
     /// True if the case or row of this name is among it.
-    pub fn has(&self, name: &str) -> bool {
+    fn has(&self, name: &str) -> bool {
         let is_match = |filter: &&String| matches(pattern_of(filter), name);
         let (excluding, naming): (Vec<_>, Vec<_>) =
             self.0.iter().partition(|filter| filter.starts_with('!'));
@@ -563,22 +543,16 @@ fn sorted_entries(folder: &Path) -> Result<Vec<PathBuf>, SuiteError> {
 
 /// Fails where two manifests have one name.
 fn check_names(manifests: &[PathBuf]) -> Result<(), SuiteError> {
-    let mut files: BTreeMap<String, (String, String)> = BTreeMap::new();
+    let mut files: BTreeMap<String, &Path> = BTreeMap::new();
     for path in manifests {
-        let (name, file) = (name_of(path), path.display().to_string());
-        let before = files.insert(name.to_lowercase(), (name.clone(), file.clone()));
-        if let Some((other_name, other)) = before {
+        let name = name_of(path);
+        if let Some(other) = files.insert(name.to_lowercase(), path) {
+            let [file, other] = [path, other].map(Path::display);
+            let message = format!(
+                "two cases are called {name}, or differ in capitals alone: {file} and {other}"
+            );
             let help = "rename one of them, with its scene and its golden";
-            return Err(match other_name == name {
-                true => {
-                    let message = format!("two cases are called {name}: {file} and {other}");
-                    SuiteError::refused(message, help)
-                }
-                false => SuiteError::refused(
-                    format!("the names of {file} and {other} differ in capitals alone"),
-                    format!("many file systems take them for one file: {help}"),
-                ),
-            });
+            return Err(SuiteError::refused(message, help));
         }
     }
     Ok(())

@@ -159,9 +159,7 @@ impl Outputs {
             let has = |step: u32| images.iter().any(|(number, _)| *number == step);
             if let Some(missing) = (0..=*last.max(&2)).find(|step| !has(*step)) {
                 return unclear(format!(
-                    "{} has a smaller step than the scene, but there is no {}: name the images {case}.exr, \
-                     {case}@0.5.exr, {case}@0.25.exr, at least these three, with the step of the scene, half of it \
-                     and a quarter",
+                    "there is {}, but no {}: at least {case}.exr, {case}@0.5.exr and {case}@0.25.exr are needed",
                     file.display(),
                     step_name(case, missing)
                 ));
@@ -176,22 +174,13 @@ impl Outputs {
                 ));
             }
         }
-        if let Some((role, file)) = beside.first()
+        if let Some((_, file)) = beside.first()
             && images.len() != 1
         {
-            let what = if *role == Role::Depth {
-                "depth"
-            } else {
-                "variance"
-            };
-            let there = if images.is_empty() {
-                "is none"
-            } else {
-                "are several"
-            };
-            let file = file.display();
             return unclear(format!(
-                "{file} is the {what} of one image, and there {there}"
+                "{} belongs to a single image, and there are {}",
+                file.display(),
+                images.len()
             ));
         }
         let file_of = |role: Role| {
@@ -342,18 +331,11 @@ fn role_of_step(case: &str, factor: &str) -> Result<Role, String> {
     let halvings = (0..=MOST_HALVINGS).find(|&halvings| value == math::exp2(-f64::from(halvings)));
     match halvings {
         Some(halvings) => Ok(Role::Step(halvings)),
-        None => {
-            let fault = if value >= 1.0 {
-                "steps shrink from that of the scene on".to_owned()
-            } else {
-                format!("{factor:?} is none of the factors of the step")
-            };
-            Err(format!(
-                "is not read: {fault}; name the images {case}.exr, {}.exr, {}.exr",
-                step_name(case, 1),
-                step_name(case, 2)
-            ))
-        }
+        None => Err(format!(
+            "is not read: {factor:?} is none of the factors of the step; name the images {case}.exr, {}.exr, {}.exr",
+            step_name(case, 1),
+            step_name(case, 2)
+        )),
     }
 }
 

@@ -249,16 +249,6 @@ fn a_filter_that_matches_nothing_decides_nothing() {
         "no case matches \"nosuch\" … `volref list` shows all cases",
     );
     assert!(!run.message().contains("did you mean"), "{}", run.stderr);
-
-    suite.write(
-        "fixtures/scenes/smoke/alone.toml",
-        suite.text("fixtures/scenes/smoke/plain.toml"),
-    );
-    let run = suite.volref("list alone");
-    run.expect(
-        5,
-        "there is a scene smoke/alone, but no manifest fixtures/cases/smoke/alone.toml",
-    );
 }
 
 #[test]

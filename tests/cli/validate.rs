@@ -913,7 +913,7 @@ fn sequences_of_steps_are_judged_by_their_limit() {
     }
     // Steps that do not shrink, and a case that states its step.
     for (name, said) in [
-        ("limit/cloud@2.exr", "steps shrink"),
+        ("limit/cloud@2.exr", "none of the factors"),
         ("limit/cloud@0.3.exr", "none of the factors"),
     ] {
         folder.write(&format!("out/{name}"), &images[0]);

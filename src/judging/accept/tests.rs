@@ -1,9 +1,9 @@
 //! Stochastic cases with a renderer that is made of noise.
 
+use super::*;
 use crate::judging::verify::verify_with;
 use crate::judging::{CaseResult, Verdict};
 use crate::render::{Plan, Progress, RenderError, Rendering, Sampling};
-use super::*;
 use crate::scene::Model;
 use crate::suite::Suite;
 use std::sync::Mutex;
