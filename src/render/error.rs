@@ -2,59 +2,40 @@
 
 use thiserror::Error;
 
-/// Reason why an image cannot be rendered.
+/// Reason why an image cannot be rendered. A pixel is given by its column, from the left, and its row, from the top.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum RenderError {
     /// A path without an end.
     #[error(
-        "a path of pixel ({column}, {row}) was scattered 2^26 times and still carried light: \
+        "a path of pixel ({}, {}) was scattered 2^26 times and still carried light: \
          nothing in the scene absorbs enough of it. Let a medium or surface absorb some, \
-         leave a way out, or set max_bounces"
+         leave a way out, or set max_bounces",
+        .0[0], .0[1]
     )]
-    Endless {
-        /// Column, from the left.
-        column: usize,
-        /// Row, from the top.
-        row: usize,
-    },
+    Endless([usize; 2]),
     /// A density lookup exceeded its majorant.
     #[error(
-        "the density of a medium exceeded its majorant {violations} times, first in pixel \
-         ({column}, {row}): the image would be biased and not look it. This is a bug in volref; \
-         please report it with the scene"
+        "the density of a medium exceeded its majorant in pixel ({}, {}): the image would be biased and not look it. \
+         This is a bug in volref; please report it with the scene",
+        .0[0], .0[1]
     )]
-    Majorant {
-        /// Number of such lookups, in all pixels; each pixel stops at its first such path.
-        violations: u64,
-        /// Column, from the left.
-        column: usize,
-        /// Row, from the top.
-        row: usize,
-    },
+    Majorant([usize; 2]),
     /// Unbounded radiance: a ray hits a point or spot light.
     #[error(
-        "pixel ({column}, {row}) is infinitely bright: a point, spot or directional light lies on its \
+        "pixel ({}, {}) is infinitely bright: a point, spot or directional light lies on its \
          line of sight, in a scattering medium, or nearer to what it lights than numbers can tell. \
-         Move the light or the camera a little, or make it a small emitting sphere"
+         Move the light or the camera a little, or make it a small emitting sphere",
+        .0[0], .0[1]
     )]
-    Divergent {
-        /// Column, from the left.
-        column: usize,
-        /// Row, from the top.
-        row: usize,
-    },
+    Divergent([usize; 2]),
     /// Radiance, or the square of its noise, beyond the numbers of an image.
     #[error(
-        "pixel ({column}, {row}) is brighter than an image of 32-bit numbers can hold: its \
+        "pixel ({}, {}) is brighter than an image of 32-bit numbers can hold: its \
          radiance, or the square of its noise, is above 3.4e38. Choose another unit of radiance: \
-         divide every radiance, irradiance, intensity and emission by the same number"
+         divide every radiance, irradiance, intensity and emission by the same number",
+        .0[0], .0[1]
     )]
-    TooBright {
-        /// Column, from the left.
-        column: usize,
-        /// Row, from the top.
-        row: usize,
-    },
+    TooBright([usize; 2]),
     /// Too little memory for the image.
     #[error(
         "no memory for an image of {width} × {height} pixels: {:.2} GiB are held while it is \
@@ -69,19 +50,13 @@ pub enum RenderError {
         /// Peak memory, bytes.
         bytes: u64,
     },
-    /// A pixel that is not finite, or negative.
+    /// A pixel that is not finite, or negative; with red, green, blue and opacity.
     #[error(
-        "pixel ({column}, {row}) is {value:?}: radiance must be finite and not negative. \
-         This is a bug in volref; please report it with the scene"
+        "pixel ({}, {}) is {:?}: radiance must be finite and not negative. \
+         This is a bug in volref; please report it with the scene",
+        .0[0], .0[1], .1
     )]
-    NoRadiance {
-        /// Column, from the left.
-        column: usize,
-        /// Row, from the top.
-        row: usize,
-        /// Red, green, blue, opacity.
-        value: [f32; 4],
-    },
+    NoRadiance([usize; 2], [f32; 4]),
     /// The rendering was cancelled.
     #[error("the rendering was cancelled")]
     Stopped,

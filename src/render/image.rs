@@ -95,10 +95,10 @@ pub(crate) fn render_part(
             work,
         }),
         // Perhaps finite, but not as a number of 32 bits.
-        Some(([column, row], value)) if value.contains(&f32::INFINITY) => {
-            Err(RenderError::TooBright { column, row })
+        Some((pixel, value)) if value.contains(&f32::INFINITY) => {
+            Err(RenderError::TooBright(pixel))
         }
-        Some(([column, row], value)) => Err(RenderError::NoRadiance { column, row, value }),
+        Some((pixel, value)) => Err(RenderError::NoRadiance(pixel, value)),
     }
 }
 
@@ -238,32 +238,16 @@ impl PanelPart {
         scene: &Radiative,
         pixels: Vec<Result<P, PathFault>>,
     ) -> Result<Vec<P>, RenderError> {
-        let faults = || {
-            let faults = pixels.iter().enumerate();
-            faults.filter_map(|(index, pixel)| Some((index, *pixel.as_ref().err()?)))
-        };
-        let Some((index, fault)) = faults().next() else {
+        let mut faults = pixels.iter().map(|pixel| pixel.as_ref().err()).enumerate();
+        let Some((index, fault)) = faults.find_map(|(index, fault)| Some((index, *fault?))) else {
             return Ok(pixels.into_iter().flatten().collect());
         };
-        let column = index % self.width;
-        let row = index / self.width;
+        let pixel = [index % self.width, index / self.width];
         Err(match fault {
-            PathFault::Endless => RenderError::Endless { column, row },
-            PathFault::Infinite if has_points(scene) => RenderError::Divergent { column, row },
-            PathFault::Infinite => RenderError::TooBright { column, row },
-            PathFault::Majorant(_) => RenderError::Majorant {
-                violations: faults()
-                    .map(|(_, fault)| fault)
-                    // Of the pixels behind one without an end, chance decides which are traced.
-                    .take_while(|fault| *fault != PathFault::Endless)
-                    .map(|fault| match fault {
-                        PathFault::Majorant(violations) => violations,
-                        PathFault::Infinite | PathFault::Endless => 0,
-                    })
-                    .sum(),
-                column,
-                row,
-            },
+            PathFault::Endless => RenderError::Endless(pixel),
+            PathFault::Infinite if has_points(scene) => RenderError::Divergent(pixel),
+            PathFault::Infinite => RenderError::TooBright(pixel),
+            PathFault::Majorant => RenderError::Majorant(pixel),
         })
     }
 }
@@ -349,35 +333,20 @@ mod tests {
     }
 
     #[test]
-    fn violated_bounds_are_counted_over_all_pixels_and_refused() {
+    fn the_first_fault_is_said() {
         let mut pixels = vec![Ok(()); 8];
-        pixels[4] = Err(PathFault::Majorant(2));
-        pixels[5] = Err(PathFault::Majorant(40));
-        let expected = Err(RenderError::Majorant {
-            violations: 42,
-            column: 1,
-            row: 1,
-        });
-        assert_eq!(
-            at(3).without_faults(&scene(vec![]), pixels.clone()),
-            expected
-        );
-        // Whether what comes after a path without an end is traced is left to chance.
+        pixels[4] = Err(PathFault::Majorant);
         pixels[6] = Err(PathFault::Endless);
-        pixels[7] = Err(PathFault::Majorant(1));
-        assert_eq!(
-            at(3).without_faults(&scene(vec![]), pixels.clone()),
-            expected
-        );
+        let found = at(3).without_faults(&scene(vec![]), pixels);
+        assert_eq!(found, Err(RenderError::Majorant([1, 1])));
     }
 
     #[test]
     fn only_a_light_without_extent_is_blamed_for_light_without_bound() {
         let pixels = vec![Ok(()), Err(PathFault::Infinite)];
-        let (column, row) = (1, 0);
         assert_eq!(
             at(2).without_faults(&scene(vec![]), pixels.clone()),
-            Err(RenderError::TooBright { column, row })
+            Err(RenderError::TooBright([1, 0]))
         );
         let lamp = Light::Point(Point {
             position: DVec3::ZERO,
@@ -385,7 +354,7 @@ mod tests {
         });
         assert_eq!(
             at(2).without_faults(&scene(vec![lamp]), pixels),
-            Err(RenderError::Divergent { column, row })
+            Err(RenderError::Divergent([1, 0]))
         );
     }
 }

@@ -54,8 +54,8 @@ pub enum PathFault {
     Endless,
     /// Its radiance is beyond the largest number.
     Infinite,
-    /// Number of extinctions above their majorants.
-    Majorant(u64),
+    /// An extinction was above its majorant.
+    Majorant,
 }
 
 /// The next vertex of a path.
@@ -105,7 +105,7 @@ impl<'s> PathTracer<'s> {
         let radiance = radiance?;
         match tracker.scratch.take_violations() {
             0 => Ok(radiance),
-            violations => Err(PathFault::Majorant(violations)),
+            _ => Err(PathFault::Majorant),
         }
     }
 

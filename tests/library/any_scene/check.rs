@@ -89,13 +89,11 @@ fn explains_itself(error: &SceneError) -> Result<(), String> {
 /// What a valid scene may be refused for while it is rendered: light without end or bound.
 fn is_the_scenes_fault(error: &RenderError) -> Result<(), String> {
     match error {
-        RenderError::Endless { .. }
-        | RenderError::Divergent { .. }
-        | RenderError::TooBright { .. } => Ok(()),
-        RenderError::Majorant { .. }
+        RenderError::Endless(_) | RenderError::Divergent(_) | RenderError::TooBright(_) => Ok(()),
+        RenderError::Majorant(_)
         | RenderError::Memory { .. }
         | RenderError::Stopped
-        | RenderError::NoRadiance { .. } => Err(error.to_string()),
+        | RenderError::NoRadiance(..) => Err(error.to_string()),
     }
 }
 
