@@ -6,6 +6,7 @@ use crate::files::regular_file;
 use glam::DVec3;
 use std::collections::HashMap;
 use std::path::Path;
+use tobj::{LoadError, LoadOptions};
 
 impl Mesh {
     /// The mesh in an OBJ file: all its objects and groups together, materials, points and lines
@@ -21,24 +22,30 @@ impl Mesh {
 
     /// The mesh in the text of an OBJ file, as by [`load`](Mesh::load).
     pub fn from_obj(text: &[u8]) -> Result<Mesh, ObjFault> {
-        let file = ObjFile::of(text)?;
+        let plain = PlainObj::of(text)?;
+        let options = LoadOptions {
+            single_index: true,
+            ..LoadOptions::default()
+        };
+        let no_materials = |_: &Path| Err(LoadError::OpenFileFailed);
+        let read = tobj::load_obj_buf(&mut plain.text.as_slice(), &options, no_materials);
+        // Without objects, groups and materials there is one model.
+        let (mut models, _) = read.map_err(|error| ObjFault::in_file(error.to_string()))?;
+        let model = models.pop().ok_or_else(ObjFault::no_faces)?.mesh;
+        let positions: Vec<DVec3> = (model.positions.chunks_exact(3))
+            .map(DVec3::from_slice)
+            .collect();
         let mut welded = Welded::default();
         let mut faces = Vec::new();
         let mut lines = Vec::new();
-        for polygon in &file.polygons {
-            let mut corners = Vec::new();
-            for &(number, position) in &polygon.corners {
-                // Vertices may stand behind the faces that refer to them.
-                let vertex = file.vertices.get(number - 1).ok_or_else(|| ObjFault {
-                    position: Some(position),
-                    message: format!(
-                        "this face refers to vertex {number}, but the file has {}: was it cut off, or put together \
-                         from several files?",
-                        file.vertices.len()
-                    ),
-                })?;
-                corners.push(welded.number(*vertex));
-            }
+        let mut indices = model.indices.iter().map(|&vertex| vertex as usize);
+        for (polygon, &position) in plain.polygons.iter().enumerate() {
+            // Triangles alone have no list of the numbers of their corners.
+            let count = (model.face_arities.get(polygon)).map_or(3, |&count| count as usize);
+            let corners = indices.by_ref().take(count);
+            let mut corners: Vec<usize> = corners
+                .map(|vertex| welded.number(positions[vertex]))
+                .collect();
             // A corner repeated is one.
             corners.dedup();
             while corners.len() > 1 && corners.first() == corners.last() {
@@ -46,37 +53,34 @@ impl Mesh {
             }
             let places: Vec<DVec3> = corners.iter().map(|&it| welded.vertices[it]).collect();
             let first = first_of_fan(&places).map_err(|message| ObjFault {
-                position: Some(polygon.position),
+                position: Some(position),
                 message: message.to_owned(),
             })?;
             corners.rotate_left(first);
             for at in 2..corners.len() {
                 faces.push([corners[0], corners[at - 1], corners[at]]);
-                lines.push(polygon.position[0]);
+                lines.push(position[0]);
             }
         }
         Mesh::of_lines(welded.vertices, faces, lines)
     }
 }
 
-/// Vertices and polygons as they stand in a file.
+/// A file as `tobj` reads it, whatever program wrote it: vertices of three numbers, and polygons by the numbers of
+/// their vertices, each in a line. `tobj` names no line, so that mistakes are found here.
 #[derive(Default)]
-struct ObjFile {
-    vertices: Vec<DVec3>,
-    polygons: Vec<Polygon>,
+struct PlainObj {
+    text: Vec<u8>,
+    /// Line and column where each polygon begins in the file.
+    polygons: Vec<[usize; 2]>,
 }
 
-/// A polygon, with its place in the file.
-struct Polygon {
-    /// Line and column.
-    position: [usize; 2],
-    /// Numbers of its vertices, from 1, each with its line and column.
-    corners: Vec<(usize, [usize; 2])>,
-}
-
-impl ObjFile {
-    fn of(text: &[u8]) -> Result<ObjFile, ObjFault> {
-        let mut file = ObjFile::default();
+impl PlainObj {
+    fn of(text: &[u8]) -> Result<PlainObj, ObjFault> {
+        let mut plain = PlainObj::default();
+        let mut count = 0;
+        // Vertices may stand behind the faces that refer to them.
+        let mut ahead: Option<(usize, [usize; 2])> = None;
         let mut statements = Statements::of(text)?;
         let mut words = Vec::new();
         while statements.read_next(&mut words) {
@@ -84,55 +88,77 @@ impl ObjFile {
                 continue;
             };
             match keyword.keyword()? {
-                "v" => file.vertices.push(vertex(keyword, values)?),
-                "f" if values.len() < 3 => {
-                    return Err(keyword.fault(format!(
-                        "a face has three corners or more, this one has {}: remove the line, or \
-                         write `l` for a line and `p` for a point",
-                        values.len()
-                    )));
+                "v" => {
+                    check_vertex(keyword, values)?;
+                    count += 1;
+                    plain.line(b"v", values[..3].iter().map(|word| word.bytes));
                 }
                 "f" => {
-                    let count = file.vertices.len();
-                    let corner = |word: &Word| Ok((corner(word, count)?, word.position));
-                    file.polygons.push(Polygon {
-                        position: keyword.position,
-                        corners: values.iter().map(corner).collect::<Result<_, ObjFault>>()?,
-                    });
+                    if values.len() < 3 {
+                        return Err(keyword.fault(format!(
+                            "a face has three corners or more, this one has {}: remove the line, or \
+                             write `l` for a line and `p` for a point",
+                            values.len()
+                        )))?;
+                    }
+                    let mut corners = Vec::new();
+                    for word in values {
+                        let corner = corner(word, count)?;
+                        if corner > count && ahead.is_none_or(|(most, _)| corner > most) {
+                            ahead = Some((corner, word.position));
+                        }
+                        corners.push(corner.to_string());
+                    }
+                    plain.line(b"f", corners.iter().map(String::as_bytes));
+                    plain.polygons.push(keyword.position);
                 }
                 "surf" => {
                     return Err(keyword.fault(
                         "a free-form surface is not a polygon: convert it to polygons, or export \
                          without curves and surfaces"
                             .to_owned(),
-                    ));
+                    ))?;
                 }
                 _ => {}
             }
         }
-        match file.polygons.is_empty() {
-            true => Err(ObjFault::no_faces()),
-            false => Ok(file),
+        match ahead {
+            Some((corner, position)) if corner > count => Err(ObjFault {
+                position: Some(position),
+                message: format!(
+                    "this face refers to vertex {corner}, but the file has {count}: was it cut off, or \
+                     put together from several files?"
+                ),
+            })?,
+            _ if plain.polygons.is_empty() => Err(ObjFault::no_faces()),
+            _ => Ok(plain),
         }
+    }
+
+    fn line<'w>(&mut self, keyword: &[u8], words: impl Iterator<Item = &'w [u8]>) {
+        self.text.extend(keyword);
+        for word in words {
+            self.text.push(b' ');
+            self.text.extend(word);
+        }
+        self.text.push(b'\n');
     }
 }
 
-/// The position that a `v` line states.
-fn vertex(keyword: &Word, values: &[Word]) -> Result<DVec3, ObjFault> {
+fn check_vertex(keyword: &Word, values: &[Word]) -> Result<(), ObjFault> {
     let names: &[&str] = match values.len() {
         3 => &["x", "y", "z"],
         4 => &["x", "y", "z", "w"],
         6 | 7 => &["x", "y", "z", "red", "green", "blue", "opacity"],
         count => {
             return Err(keyword.fault(format!(
-                "a `v` line of a mesh has 3 numbers (x y z) or 6 (x y z red green blue), this one has {count}"
+                "a `v` line of a mesh has 3 numbers (x y z) or 6 (x y z red green blue), this one \
+                 has {count}"
             )));
         }
     };
-    let mut numbers = Vec::new();
     for (word, name) in values.iter().zip(names) {
         let number = word.number(name)?;
-        numbers.push(number);
         if *name == "w" && number != 1.0 {
             return Err(word.fault(format!(
                 "w is {number}, and a vertex of a mesh has no weight (a point of a cloud has a density \
@@ -140,7 +166,7 @@ fn vertex(keyword: &Word, values: &[Word]) -> Result<DVec3, ObjFault> {
             )));
         }
     }
-    Ok(DVec3::from_slice(&numbers))
+    Ok(())
 }
 
 /// The vertex, from 1, that a corner refers to where `count` vertices have been read: `7`, `7/1`, `7//1` or
