@@ -101,7 +101,6 @@ fn a_scene_without_a_parameter() {
     exit code 2
     --- stderr
       × fog.toml: this scene has no parameter to vary: nothing in it is sampled, every pixel is a closed form or an integral
-      help: cost compares settings: give a scene that is sampled, such as figures/figure-3 or smoke/cornell
     ");
     assert!(!folder.files().keys().any(|name| name.starts_with("out/")));
 }

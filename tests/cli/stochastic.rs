@@ -84,14 +84,14 @@ fn class_and_scene_must_agree() {
     folder.write("fixtures/cases/fog/room.toml", MANIFEST);
     folder
         .volref("accept '*' --reason first")
-        .expect(2, "fog/room … with random numbers … stochastic");
+        .expect(2, "fog/room … rendered as class = \"stochastic\"");
     let folder = Folder::with_suite();
     let sampling = "class = \"stochastic\"\nconverged_samples = 128";
     let manifest = MANIFEST.replace("class = \"deterministic\"", sampling);
     folder.write("fixtures/cases/plots/curve.toml", manifest);
     folder
         .volref("accept '*' --reason first")
-        .expect(2, "plots/curve … without random numbers … deterministic");
+        .expect(2, "plots/curve … rendered as class = \"deterministic\"");
 }
 
 #[test]
