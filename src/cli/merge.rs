@@ -131,7 +131,8 @@ fn runs_of(folders: &[ResultFolder]) -> Result<Vec<Parts<'_>>, Failure> {
             .all(|(run, _)| run.settings.contains_key(NAME))
     {
         let places = runs.values().map(|(_, place)| place.display().to_string());
-        let places: Vec<String> = places.collect();
+        let mut places: Vec<String> = places.collect();
+        places.sort();
         let message = format!("these are results of different runs: {}", places.join(", "));
         let help =
             "the file run.json of each says what it judged; remove the folders of the other runs";

@@ -539,11 +539,10 @@ mod tests {
         let judgement = sequence(|x, h| 0.02 * (x * 577.0 / h).fract());
         assert!(!judgement.passed);
         assert!(judgement.reason.contains("do not converge"));
-        assert!(judgement.reason.contains("no direction"));
         // Each sample loses the same, and each step twice as many.
         let judgement = sequence(|_, h| 0.02 * h - 0.02 / h);
-        let words = "become darker with each halving of the step";
-        assert!(judgement.reason.contains(words), "{}", judgement.reason);
+        assert!(!judgement.passed);
+        assert!(judgement.reason.contains("do not converge"));
     }
 
     #[test]

@@ -83,7 +83,7 @@ fn samples_for(sweep: &Sweep, error: f64) -> f64 {
         .map(|level| level.error.l2 * level.error.l2 * level.value)
         .collect();
     scaled.sort_unstable_by(f64::total_cmp);
-    (scaled[scaled.len() / 2] / (error * error)).ceil()
+    (scaled[scaled.len() / 2] / (error * error)).round()
 }
 
 /// `steps of 0.5 voxels`, `64 samples`.

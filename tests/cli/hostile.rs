@@ -134,7 +134,7 @@ fn no_control_character_reaches_the_terminal() {
         );
     }
     // Some say nothing of what is hostile in them, such as a plan.
-    assert!(seen + 9 > commands.len(), "{seen} of {}", commands.len());
+    assert!(seen + 10 > commands.len(), "{seen} of {}", commands.len());
 }
 
 /// Threads that no machine has are refused before they are started.

@@ -353,10 +353,8 @@ fn images_that_make_a_decoder_panic_are_unreadable() {
         .collect();
     let said = said.join("\n");
     for part in [
-        "plots/curve: error: images/plots/curve.png: not a readable PNG image: its palette has 44 \
-         bytes",
-        "smoke/shadow: error: images/smoke/shadow.exr: not a readable EXR image: of its 6 \
-         blocks of pixels, 1 are missing",
+        "plots/curve: error: images/plots/curve.png: not a readable PNG image: it is broken",
+        "smoke/shadow: error: images/smoke/shadow.exr: not a readable EXR image: it is broken",
         "smoke/plain: pass",
         "smoke/nearest: pass",
     ] {

@@ -131,7 +131,7 @@ fn sizes_ranges_and_options_that_make_no_picture() {
     }
     folder
         .volref("render cloud.obj -o x.exr --spacing 1,1,1")
-        .expect(2, "a point cloud has positions, and no spacing");
+        .expect(2, "have positions of their own");
 }
 
 /// The range that a file gets is one that it could state.

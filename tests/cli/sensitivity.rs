@@ -63,7 +63,7 @@ fn what_is_wrong_is_said() {
         ),
         (
             "sensitivity figures/figure-2 --of density -o d.exr",
-            "a plot has none",
+            "it has none",
         ),
         ("sensitivity CASE --all -o d.exr", "random"),
         ("render CASE -o a.exr --change density", "NAME=CHANGE"),
