@@ -157,10 +157,7 @@ fn automatic(variable: impl Fn(&str) -> Option<String>) -> Result<Partition, Str
             Some(first) => first,
             None => number(SLURM_FIRST)?.ok_or_else(unknown)?,
         };
-        let part = part
-            .saturating_add(1)
-            .checked_sub(first)
-            .unwrap_or_default();
+        let part = part.saturating_add(1).saturating_sub(first);
         return Partition::new(false, part, parts)
             .map_err(|error| format!("{engine}: {error} ({of_part} begins with {first})"));
     }
