@@ -7,10 +7,11 @@ use super::suite::{NamedScene, named_scene};
 use super::threads::Threads;
 use super::{Outcome, progress};
 use crate::film::{Depth, Film, FilmFormat};
+use crate::math;
 use crate::reference;
-use crate::render::plan::Reason;
+use crate::render::plan::{Kernel, Reason};
 use crate::render::{self, Plan, Sampling, Seed};
-use crate::scene::{Conventions, Length, Model, Scene, samples};
+use crate::scene::{Conventions, Length, Model, Origin, Reading, Scene, samples};
 use crate::sensitivity::number;
 use crate::volume::volume_format;
 use serde_json::json;
@@ -121,12 +122,12 @@ pub fn run(mut arguments: Arguments) -> Result<Outcome, Failure> {
         ));
     }
     let warnings = warnings_of_all(&plans);
-    for note in &warnings {
+    let preview = (format == FilmFormat::Png).then_some(exposure);
+    let mut notes = range_notes(&plans);
+    notes.extend(warnings.iter().map(ToString::to_string));
+    notes.extend(brightness_note(&film, &plans, preview).filter(|_| warnings.is_empty()));
+    for note in notes {
         text.push_str(&format!("note: {note}\n"));
-    }
-    let is_black = film.radiance().iter().flatten().all(|&value| value <= 0.0);
-    if warnings.is_empty() && is_black {
-        text.push_str("note: the image is black: no ray reaches anything that emits light\n");
     }
     let mut value = json!({
         "schema": "volref/render/1",
@@ -258,6 +259,45 @@ fn warnings_of_all<'p>(plans: &'p [Plan<'_>]) -> Vec<&'p Reason> {
     warnings
         .filter(|warning| plans.iter().all(|plan| plan.warnings.contains(warning)))
         .collect()
+}
+
+/// A note on an image that is black, or too dark to be seen at the exposure of a `preview`.
+fn brightness_note(film: &Film, plans: &[Plan<'_>], preview: Option<f64>) -> Option<String> {
+    let most = film
+        .radiance()
+        .iter()
+        .flatten()
+        .copied()
+        .fold(0.0, f32::max);
+    let stops = (-math::log2(most.into())).round();
+    match plans {
+        [plan] if most == 0.0 && matches!(plan.kernel, Kernel::Background(_)) => {
+            Some(format!("the image is black: {}", plan.estimator.why.reason))
+        }
+        _ if most == 0.0 => {
+            Some("the image is black: no ray reaches anything that emits light".to_owned())
+        }
+        _ if preview.is_some_and(|exposure| stops - exposure >= 2.0) => Some(format!(
+            "the image is dark; --exposure {stops} shows it better"
+        )),
+        _ => None,
+    }
+}
+
+/// Notes on the ranges of values that no scene states.
+fn range_notes(plans: &[Plan<'_>]) -> Vec<String> {
+    let readings = plans.iter().flat_map(|plan| &plan.panel.readings);
+    let mut notes: Vec<String> = readings
+        .filter_map(|Reading { key, value, origin }| match origin {
+            Origin::Derived(rule) if key.ends_with("transfer_function.range") => Some(format!(
+                "values are shown from {} by default ({rule}); state `range` in [transfer_function] to change that",
+                value.trim_matches(['[', ']']).replace(", ", " to ")
+            )),
+            _ => None,
+        })
+        .collect();
+    notes.dedup();
+    notes
 }
 
 /// True of a volume file. A description of bare samples ends in .toml, as scenes do.

@@ -146,10 +146,13 @@ fn values_of_a_file_have_a_range_by_default() {
     };
     folder.write("default.toml", scene(""));
     folder.write("stated.toml", scene("range = [-1000, 1200]\n"));
-    for name in ["default", "stated"] {
-        let run = folder.volref(&*format!("render {name}.toml -o {name}.exr"));
-        run.expect(0, "");
-    }
+    let run = folder.volref("render default.toml -o default.exr");
+    run.prints(
+        0,
+        "note: values are shown from -1000.0 to 1200.0 by default … `range`",
+    );
+    let run = folder.volref("render stated.toml -o stated.exr");
+    assert!(!run.stdout.contains("values are shown"), "{}", run.stdout);
     assert_eq!(folder.read("default.exr"), folder.read("stated.exr"));
     // The plain renderer maps values likewise, in the shadow, too.
     folder.write(
