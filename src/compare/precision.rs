@@ -68,25 +68,15 @@ pub(crate) fn precision_in_words(
 ) -> Option<String> {
     let quantisation = test.quantisation()?;
     let allowed = match gate {
-        Gate::Exact => "",
-        Gate::Deterministic => " + 0.001 + 1 %",
-        Gate::Refinement => " + 0.001 + 1 %, beside the error of the step,",
-        _ => ", beside noise,",
+        Gate::Deterministic | Gate::Refinement => "half a code + 0.001 + 1 %",
+        _ => "half a code",
     };
-    let mut text = format!(
-        "{quantisation}: differences below {}{allowed} are not seen",
-        quantisation.width_in_words()
-    );
+    let mut text = format!("{quantisation}: differences below {allowed} are not seen");
     let share = metrics.get(CUT_OFF.0).copied().unwrap_or(0.0);
     if share > 0.0 {
-        let are = if gate == Gate::Stochastic {
-            "are or may be"
-        } else {
-            "are"
-        };
         let (percent, largest) = (100.0 * share, quantisation.largest());
         text.push_str(&format!(
-            "; {percent:.1} % of the pixels {are} cut off at {}, and not judged above that",
+            "; {percent:.1} % of the pixels are cut off at {}, and not judged above that",
             (1e4 * largest).round() / 1e4
         ));
     }

@@ -374,24 +374,12 @@ impl Quantisation {
             .into_iter()
             .any(|value| f64::from(value) > self.largest() * (1.0 + 1e-6))
     }
-
-    /// Half a code of the darkest and of the brightest radiance, in words.
-    pub(crate) fn width_in_words(&self) -> String {
-        let [dark, bright] = [0.0, self.largest()].map(|at| number(self.half_code(at)));
-        match self.encoding {
-            Encoding::Linear => dark,
-            Encoding::Srgb => format!("{dark} in the dark to {bright} in the brightest parts"),
-        }
-    }
 }
 
 impl fmt::Display for Quantisation {
     /// `8 bits, linear`, and how that is known.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let encoding = match self.encoding {
-            Encoding::Linear => "linear",
-            Encoding::Srgb => "sRGB",
-        };
+        let encoding = ["linear", "sRGB"][usize::from(self.encoding == Encoding::Srgb)];
         write!(f, "8 bits, {encoding}")?;
         if self.blended {
             f.write_str(", blended from rounded colours and opacities")?;
@@ -405,12 +393,6 @@ impl fmt::Display for Quantisation {
             Origin::Assumed => f.write_str(" (declared, though not every value is such a code)"),
         }
     }
-}
-
-/// A size in two digits.
-fn number(value: f64) -> String {
-    let digits = (1.0 - math::log10(value).floor()).clamp(0.0, 12.0);
-    format!("{value:.*}", digits as usize)
 }
 
 /// Quantisations that images have.

@@ -69,7 +69,7 @@ fn codes_of_a_png_are_radiance_where_bits_are_declared() {
     let run = validate(&folder, &["--bits", "8-linear"]);
     run.expect(0, "");
     assert_eq!(result(&run)["gate"], "deterministic");
-    let said = "8 bits, linear: differences below 0.0020 + 0.001 + 1 % are not seen";
+    let said = "8 bits, linear: differences below half a code + 0.001 + 1 % are not seen";
     assert_eq!(note(&run), said);
     // Decoded as sRGB it is another image.
     for bits in ["8", "8-srgb"] {

@@ -12,7 +12,10 @@ pub(super) fn headline(results: &[CaseResult], found: &Likenesses) -> String {
     }
     let failed = Verdict::Fail.count(results);
     let guess = match found.likely.first() {
-        Some(it) => format!("; likely cause of {} of {failed}: “{}”", it.explains, it.mistake),
+        Some(it) => format!(
+            "; likely cause of {} of {failed}: “{}”",
+            it.explains, it.mistake
+        ),
         None if found.searched < failed || !found.unfinished.is_empty() => String::new(),
         None if found.unexplained.iter().all(|it| it.change_agrees) => String::new(),
         None => format!("; {}", found.nothing_known(None)),
