@@ -10,7 +10,6 @@ use super::verdicts::PrintedVerdicts;
 use super::verify;
 use crate::compare::Gate;
 use crate::conventions::Profile;
-use crate::film::Film;
 use crate::judging;
 use crate::judging::{
     CaseResult, CaseTrials, Cause, Evidence, Judged, JudgedWith, KeptResult, Part, ResultFolder,
@@ -224,17 +223,13 @@ fn joined_results(
     Ok(Outcome { text, exit })
 }
 
-/// The golden of a case, for a page.
-fn golden_of(name: &str, suite: &Suite) -> Option<Film> {
-    let golden = Golden::read(&suite.store(), suite.case(name)?);
-    golden.ok().map(|golden| golden.film)
-}
-
 /// The result `kept` of a run in `folder` with its images. The verdict holds without them.
 fn with_images(kept: &KeptResult, folder: &ResultFolder, run: &str, suite: &Suite) -> Judged {
     let mut judged = kept.clone().judged();
     if judged.result.cause != Cause::Golden {
-        judged.evidence.golden = golden_of(&judged.result.name, suite);
+        let case = suite.case(&judged.result.name);
+        let golden = case.and_then(|case| Golden::read(&suite.store(), case).ok());
+        judged.evidence.golden = golden.map(|golden| golden.film);
     }
     match folder.image(run, kept) {
         Ok(image) => judged.evidence.test = image,

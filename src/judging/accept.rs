@@ -89,21 +89,25 @@ pub struct Request<'r> {
 impl Request<'_> {
     /// Fails where no golden may change.
     fn check(&self) -> Result<(), AcceptError> {
-        let (reason, help) = if self.in_ci {
-            (
-                "goldens are not accepted where CI is set: nobody looks at the images there",
-                "accept on your own machine, look at the images, commit them",
-            )
-        } else if self.reason.trim().is_empty() {
-            (
-                "a golden changes only with a reason, and none was given",
-                "state what was wrong before, or what a first golden is for: --reason \"…\"",
-            )
-        } else {
-            return Ok(());
+        let refused = |reason: &str, help: &str| {
+            let [reason, help] = [reason, help].map(str::to_owned);
+            Err(AcceptError::Refused { reason, help })
         };
-        let [reason, help] = [reason, help].map(str::to_owned);
-        Err(AcceptError::Refused { reason, help })
+        if self.in_ci {
+            let help = "accept on your own machine, look at the images, commit them";
+            return refused(
+                "goldens are not accepted where CI is set: nobody looks at the images there",
+                help,
+            );
+        }
+        if self.reason.trim().is_empty() {
+            let help = "state what was wrong before, or what a first golden is for: --reason \"…\"";
+            return refused(
+                "a golden changes only with a reason, and none was given",
+                help,
+            );
+        }
+        Ok(())
     }
 }
 
@@ -222,15 +226,10 @@ impl<'c> LoadedCase<'c> {
         };
         let golden = Golden::read_with_any_sensitivities(store, self.case)
             .map_err(|error| nothing(error.to_string()))?;
-        let provenance = &golden.provenance;
-        if !is_of(&golden, &self.scene) {
-            return Err(nothing("its golden is of another scene".to_owned()));
-        }
-        let (has, wanted) = (provenance.samples, u64::from(converged.samples));
-        if has != wanted {
-            return Err(nothing(format!(
-                "its golden has {has} samples, the manifest wants {wanted}"
-            )));
+        let samples = golden.provenance.samples;
+        if !is_of(&golden, &self.scene) || samples != u64::from(converged.samples) {
+            let reason = "its golden is of another scene, or of another number of samples";
+            return Err(nothing(reason.to_owned()));
         }
         self.renderings.pop();
         self.image = Some(golden.film);

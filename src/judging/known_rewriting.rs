@@ -52,7 +52,6 @@ impl Rewriting {
     pub fn text(self) -> String {
         self.document.to_string()
     }
-
 }
 
 /// Writes `keys` into an entry, whose reason and link stay, and comments beside keys that have a value.

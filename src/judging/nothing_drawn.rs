@@ -62,8 +62,7 @@ fn is_like(film: &Film, empty: &Film) -> bool {
     values.all(|(&value, &nothing)| {
         let [value, nothing] = [value, nothing].map(f64::from);
         let half_code = codes.map_or(0.0, |it| it.half_code(nothing));
-        (value - nothing).abs()
-            <= tolerance(nothing) + 2.0 * half_code
+        (value - nothing).abs() <= tolerance(nothing) + 2.0 * half_code
     })
 }
 
