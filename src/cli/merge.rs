@@ -203,7 +203,7 @@ fn joined_results(
         results.iter().for_each(|result| said.verdict(result));
         said.print(&(said.without_image(&results) + &report::summary_text(&results)));
         said.print(&report::judged_with_text(&judged_with));
-        report::likely_text(&found, false, 0.0)
+        report::likely_text(&found, 0.0)
     };
     let all = runs.iter().map(|of| of.run.cases.len()).sum();
     let text = text + &missing_text(&missing, all);
@@ -323,27 +323,19 @@ fn joined_self_test(
 ) -> Result<Outcome, Failure> {
     arguments.files.check_no_results()?;
     let (run, cases) = (&of.run, cases_of(&of.run, suite)?);
-    let mut of_cases: BTreeMap<&str, (CaseTrials, &ResultFolder)> = BTreeMap::new();
-    for (part, folder) in &of.parts {
-        for trials in &part.trials {
-            let (name, trials) = (trials.case.as_str(), trials.clone());
-            let both = match of_cases.remove(name) {
-                None => (trials, *folder),
-                Some((one, here)) => {
-                    let both = one.with(trials);
-                    let said = || [here, folder].map(|it| it.path().display().to_string());
-                    let both = both
-                        .ok_or_else(|| contradiction(&format!("self-tests of {name}"), &said()));
-                    (both?, here)
-                }
-            };
-            of_cases.insert(name, both);
-        }
+    let mut of_cases: BTreeMap<&str, CaseTrials> = BTreeMap::new();
+    for trials in of.parts.iter().flat_map(|(part, _)| &part.trials) {
+        let name = trials.case.as_str();
+        let both = match of_cases.remove(name) {
+            None => trials.clone(),
+            Some(one) => one.with(trials.clone()),
+        };
+        of_cases.insert(name, both);
     }
     let (mut found, mut missing) = (Vec::new(), Vec::new());
     for (name, _) in &run.cases {
         match of_cases.remove(name.as_str()) {
-            Some((trials, _)) => found.push(trials),
+            Some(trials) => found.push(trials),
             None => missing.push((name, &of.missing)),
         }
     }

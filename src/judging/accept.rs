@@ -89,25 +89,21 @@ pub struct Request<'r> {
 impl Request<'_> {
     /// Fails where no golden may change.
     fn check(&self) -> Result<(), AcceptError> {
-        let refused = |reason: &str, help: &str| {
-            let [reason, help] = [reason, help].map(str::to_owned);
-            Err(AcceptError::Refused { reason, help })
-        };
-        if self.in_ci {
-            let help = "accept on your own machine, look at the images, commit them";
-            return refused(
+        let (reason, help) = if self.in_ci {
+            (
                 "goldens are not accepted where CI is set: nobody looks at the images there",
-                help,
-            );
-        }
-        if self.reason.trim().is_empty() {
-            let help = "state what was wrong before, or what a first golden is for: --reason \"…\"";
-            return refused(
+                "accept on your own machine, look at the images, commit them",
+            )
+        } else if self.reason.trim().is_empty() {
+            (
                 "a golden changes only with a reason, and none was given",
-                help,
-            );
-        }
-        Ok(())
+                "state what was wrong before, or what a first golden is for: --reason \"…\"",
+            )
+        } else {
+            return Ok(());
+        };
+        let [reason, help] = [reason, help].map(str::to_owned);
+        Err(AcceptError::Refused { reason, help })
     }
 }
 

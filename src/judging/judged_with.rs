@@ -116,8 +116,6 @@ mod tests {
         let said = "--accept-conventions, --bits 8; 2 skipped, 1 cannot be rendered";
         assert_eq!(of.in_words(), said);
         let both = JudgedWith::of_runs(vec![of.clone(), JudgedWith::default()]);
-        let said =
-            "--accept-conventions in part, --bits 8 in part; 2 skipped, 1 cannot be rendered";
         assert_eq!(both.in_words(), said);
         assert_eq!(JudgedWith::of_runs(vec![of.clone()]), of);
         let strict = [("accept conventions".to_owned(), "false".to_owned())];

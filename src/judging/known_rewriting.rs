@@ -6,6 +6,8 @@ use toml_edit::{DocumentMut, Item, Table, TableLike, value};
 /// A file under change.
 pub(super) struct Rewriting {
     document: DocumentMut,
+    /// Comments above entries that were removed: the first stands above all.
+    head: String,
     /// Position of the tables that come last.
     last: isize,
 }
@@ -18,6 +20,7 @@ impl Rewriting {
         let last = tables.filter_map(Table::position).max();
         Rewriting {
             document,
+            head: String::new(),
             last: last.unwrap_or(0) + 1,
         }
     }
@@ -27,6 +30,11 @@ impl Rewriting {
         let Some(entry) = self.document.remove(name) else {
             return;
         };
+        let prefix = entry.as_table().and_then(|table| table.decor().prefix());
+        let prefix = prefix.and_then(|prefix| prefix.as_str());
+        self.head += prefix
+            .filter(|it| entries.is_empty() && it.contains('#'))
+            .unwrap_or("");
         for (index, (name, keys)) in entries.into_iter().enumerate() {
             let mut entry = entry.clone();
             // A comment stands once.
@@ -50,7 +58,9 @@ impl Rewriting {
     }
 
     pub fn text(self) -> String {
-        self.document.to_string()
+        (self.head + &self.document.to_string())
+            .trim_start()
+            .to_owned()
     }
 }
 

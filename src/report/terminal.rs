@@ -121,9 +121,8 @@ pub(crate) fn judged_with_text(judged_with: &JudgedWith) -> String {
     }
 }
 
-/// Likely mistakes, most likely first, and the extent of the search: at most `seconds` for each
-/// case, unless it `was_cut_short` by the user.
-pub fn likely_text(found: &Likenesses, was_cut_short: bool, seconds: f64) -> String {
+/// Likely mistakes, most likely first, and the extent of the search: at most `seconds` of work for each case.
+pub fn likely_text(found: &Likenesses, seconds: f64) -> String {
     let mut text = String::new();
     for known in &found.likely {
         let cases = if known.of == 1 { "case" } else { "cases" };
@@ -148,11 +147,8 @@ pub fn likely_text(found: &Likenesses, was_cut_short: bool, seconds: f64) -> Str
         .filter(|it| !it.difference.is_empty());
     for result in measured {
         let case = &result.name;
-        let is_open = unfinished.iter().any(|search| search.case == *case);
         let head = if result.change_agrees {
             "a change of a parameter explains it"
-        } else if is_open {
-            "not explained yet; measured"
         } else {
             &format!("{NOTHING_KNOWN}; measured")
         };
@@ -162,13 +158,9 @@ pub fn likely_text(found: &Likenesses, was_cut_short: bool, seconds: f64) -> Str
         }
     }
     if !unfinished.is_empty() {
-        let why = match was_cut_short {
-            true => "was interrupted".to_owned(),
-            false => format!("reached its limit of {seconds} s of work"),
-        };
         let names: Vec<&str> = unfinished.iter().map(|search| &*search.case).collect();
         text.push_str(&format!(
-            "\nthe search {why} in {}; run again with --explain {} to continue\n",
+            "\nthe search ended early in {}; run again with --explain {} to continue\n",
             names.join(", "),
             MORE_TIME * seconds
         ));
