@@ -116,7 +116,8 @@ impl Facts {
             facts.stored(&it.grid, layout);
         }
         if let (Some(min), Some(max), Some(mean)) = (values.min, values.max, values.mean) {
-            facts.row("values", summary(min, max, mean));
+            let [min, max, mean] = [min, max, mean].map(digits);
+            facts.row("values", format!("{min} to {max}, mean {mean}"));
         }
         let mut signs = format!("{} zero, {} nonzero", values.zeros, values.non_zeros);
         if values.negative > 0 {
@@ -278,12 +279,6 @@ fn plot(bins: &[Bin]) -> String {
     text
 }
 
-fn summary(min: f64, max: f64, mean: f64) -> String {
-    // Range in all digits of the 32 bits, by which they can be told from their neighbours.
-    let [min, max] = [min, max].map(all_digits);
-    format!("{min} to {max}, mean {}", digits(mean))
-}
-
 fn between(min: [f64; 3], max: [f64; 3]) -> String {
     format!("{} to {}", vector(min), vector(max))
 }
@@ -296,18 +291,6 @@ fn vector(vector: [f64; 3]) -> String {
 /// A number to seven significant digits.
 fn digits(number: f64) -> String {
     rounded(number, 6)
-}
-
-/// A number that 32 bits hold, with the fewest digits that no other has; any other to seven.
-fn all_digits(number: f64) -> String {
-    let held = number as f32;
-    if f64::from(held) != number {
-        return digits(number);
-    }
-    match held.abs() {
-        0.0 | 1e-4..1e9 => held.to_string(),
-        _ => format!("{held:e}"),
-    }
 }
 
 fn rounded(number: f64, decimals: usize) -> String {

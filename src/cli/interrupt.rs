@@ -34,11 +34,12 @@ pub fn before_the_end(last: impl Fn() + Send + 'static) {
 }
 
 /// Runs `work`, which a first Ctrl-C interrupts instead of ending the process: it must poll
-/// [`is_cut_short`]. The second value tells whether it was interrupted.
-pub fn can_be_cut_short<T>(work: impl FnOnce() -> T) -> (T, bool) {
+/// [`is_cut_short`].
+pub fn can_be_cut_short<T>(work: impl FnOnce() -> T) -> T {
     NEXT.store(CUTS, Ordering::SeqCst);
     let value = work();
-    (value, NEXT.swap(ENDS, Ordering::SeqCst) == CUT)
+    NEXT.store(ENDS, Ordering::SeqCst);
+    value
 }
 
 /// True if Ctrl-C was pressed since the interruptible work began.

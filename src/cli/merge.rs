@@ -10,7 +10,6 @@ use super::verdicts::PrintedVerdicts;
 use super::verify;
 use crate::compare::Gate;
 use crate::conventions::Profile;
-use crate::film::Film;
 use crate::judging;
 use crate::judging::{
     CaseResult, CaseTrials, Cause, Evidence, Judged, JudgedWith, KeptResult, Part, ResultFolder,
@@ -204,7 +203,7 @@ fn joined_results(
         results.iter().for_each(|result| said.verdict(result));
         said.print(&(said.without_image(&results) + &report::summary_text(&results)));
         said.print(&report::judged_with_text(&judged_with));
-        report::likely_text(&found, false, 0.0)
+        report::likely_text(&found, 0.0)
     };
     let all = runs.iter().map(|of| of.run.cases.len()).sum();
     let text = text + &missing_text(&missing, all);
@@ -224,17 +223,13 @@ fn joined_results(
     Ok(Outcome { text, exit })
 }
 
-/// The golden of a case, for a page.
-fn golden_of(name: &str, suite: &Suite) -> Option<Film> {
-    let golden = Golden::read(&suite.store(), suite.case(name)?);
-    golden.ok().map(|golden| golden.film)
-}
-
 /// The result `kept` of a run in `folder` with its images. The verdict holds without them.
 fn with_images(kept: &KeptResult, folder: &ResultFolder, run: &str, suite: &Suite) -> Judged {
     let mut judged = kept.clone().judged();
     if judged.result.cause != Cause::Golden {
-        judged.evidence.golden = golden_of(&judged.result.name, suite);
+        let case = suite.case(&judged.result.name);
+        let golden = case.and_then(|case| Golden::read(&suite.store(), case).ok());
+        judged.evidence.golden = golden.map(|golden| golden.film);
     }
     match folder.image(run, kept) {
         Ok(image) => judged.evidence.test = image,
@@ -328,27 +323,19 @@ fn joined_self_test(
 ) -> Result<Outcome, Failure> {
     arguments.files.check_no_results()?;
     let (run, cases) = (&of.run, cases_of(&of.run, suite)?);
-    let mut of_cases: BTreeMap<&str, (CaseTrials, &ResultFolder)> = BTreeMap::new();
-    for (part, folder) in &of.parts {
-        for trials in &part.trials {
-            let (name, trials) = (trials.case.as_str(), trials.clone());
-            let both = match of_cases.remove(name) {
-                None => (trials, *folder),
-                Some((one, here)) => {
-                    let both = one.with(trials);
-                    let said = || [here, folder].map(|it| it.path().display().to_string());
-                    let both = both
-                        .ok_or_else(|| contradiction(&format!("self-tests of {name}"), &said()));
-                    (both?, here)
-                }
-            };
-            of_cases.insert(name, both);
-        }
+    let mut of_cases: BTreeMap<&str, CaseTrials> = BTreeMap::new();
+    for trials in of.parts.iter().flat_map(|(part, _)| &part.trials) {
+        let name = trials.case.as_str();
+        let both = match of_cases.remove(name) {
+            None => trials.clone(),
+            Some(one) => one.with(trials.clone()),
+        };
+        of_cases.insert(name, both);
     }
     let (mut found, mut missing) = (Vec::new(), Vec::new());
     for (name, _) in &run.cases {
         match of_cases.remove(name.as_str()) {
-            Some((trials, _)) => found.push(trials),
+            Some(trials) => found.push(trials),
             None => missing.push((name, &of.missing)),
         }
     }

@@ -51,11 +51,8 @@ pub fn note(text: &str) {
 
 /// Shows a step of the search for mistakes.
 pub fn mistake(bar: &Bar, step: &SearchStep) {
-    let left = step.left.map_or(String::new(), |left| {
-        format!(", {:.0} s left for this case", left.as_secs_f64())
-    });
     bar.set_message(format!(
-        "looking for the mistake in {}: {} of {} {}{left}; Ctrl-C keeps the verdicts",
+        "looking for the mistake in {}: {} of {} {}; Ctrl-C keeps the verdicts",
         step.case,
         step.done,
         step.of,

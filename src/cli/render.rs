@@ -115,12 +115,6 @@ pub fn run(mut arguments: Arguments) -> Result<Outcome, Failure> {
         film.width(),
         film.height()
     );
-    if let (Some(file), Some(depth)) = (&depth_file, arguments.depth) {
-        text.push_str(&format!(
-            "{}: {depth} depth of each pixel\n",
-            file.display()
-        ));
-    }
     let warnings = warnings_of_all(&plans);
     let preview = (format == FilmFormat::Png).then_some(exposure);
     let mut notes = range_notes(&plans);

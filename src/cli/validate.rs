@@ -151,7 +151,8 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         .map(|case| with_promise(case, &arguments))
         .collect();
     let mut cases: Vec<&Case> = selected.iter().collect();
-    arguments.check_kept_images()?;
+    let keep = arguments.keep.as_deref();
+    keep.map_or(Ok(()), output::check_no_goldens_in)?;
     let profile = arguments.profile.as_deref().map(Profile::named);
     let judge = Judge {
         profile: profile.transpose()?,
@@ -162,7 +163,9 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         arguments: &arguments,
     };
     // Now that the images to be judged are known as inputs.
-    arguments.check_results()?;
+    arguments.files.check()?;
+    let folder = arguments.ctest.as_deref();
+    folder.map_or(Ok(()), output::make_folder)?;
     judge.ends_with_us();
 
     let to_keep = judge.results_to_keep(&cases)?;
@@ -243,14 +246,6 @@ fn with_promise(mut case: Case, arguments: &Arguments) -> Case {
 }
 
 impl Arguments {
-    /// Fails if images to be kept would replace goldens.
-    fn check_kept_images(&self) -> Result<(), Failure> {
-        let Some(folder) = &self.keep else {
-            return Ok(());
-        };
-        output::check_no_goldens_in(folder)
-    }
-
     /// The source of the images.
     fn source(&self, suite: &Suite) -> Result<ImageSource, Failure> {
         let format = FilmFormat::with_extension(self.renderer.format.as_ref());
@@ -283,12 +278,6 @@ impl Arguments {
             text: text.unwrap_or_default(),
             stays: self.serve.is_some(),
         }
-    }
-
-    /// Fails if results cannot be written; makes their folders.
-    fn check_results(&self) -> Result<(), Failure> {
-        self.files.check()?;
-        self.ctest.as_deref().map_or(Ok(()), output::make_folder)
     }
 
     /// Settings that verdicts depend on beside the suite, by name.

@@ -101,7 +101,7 @@ impl CauseSearch {
             seconds: argument.seconds(is_asked),
             is_left_out: argument.explain.is_none(),
         };
-        interrupt::can_be_cut_short(|| work(&mut search)).0
+        interrupt::can_be_cut_short(|| work(&mut search))
     }
 
     /// Says that a search for the causes of failures begins, if there are any.
@@ -176,7 +176,7 @@ impl CauseSearch {
         };
         let found = likeness(cases, profile, judged, &search);
         bar.finish_and_clear();
-        let text = report::likely_text(&found, interrupt::is_cut_short(), self.seconds);
+        let text = report::likely_text(&found, self.seconds);
         (found, text)
     }
 }

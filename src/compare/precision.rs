@@ -32,11 +32,6 @@ pub fn recognised(golden: &Film, test: Film, exposure: f64) -> Film {
     test.quantised(found)
 }
 
-/// True of a sentence of [`precision_in_words`].
-pub(crate) fn is_of_precision(note: &str) -> bool {
-    note.starts_with("8 bits, ")
-}
-
 impl Judgement {
     /// With the share of the pixels that the precision of `test` cuts off; undecided where those are most.
     pub(crate) fn with_precision_of(mut self, golden: &Film, test: &Film) -> Judgement {

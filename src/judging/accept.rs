@@ -222,15 +222,10 @@ impl<'c> LoadedCase<'c> {
         };
         let golden = Golden::read_with_any_sensitivities(store, self.case)
             .map_err(|error| nothing(error.to_string()))?;
-        let provenance = &golden.provenance;
-        if !is_of(&golden, &self.scene) {
-            return Err(nothing("its golden is of another scene".to_owned()));
-        }
-        let (has, wanted) = (provenance.samples, u64::from(converged.samples));
-        if has != wanted {
-            return Err(nothing(format!(
-                "its golden has {has} samples, the manifest wants {wanted}"
-            )));
+        let samples = golden.provenance.samples;
+        if !is_of(&golden, &self.scene) || samples != u64::from(converged.samples) {
+            let reason = "its golden is of another scene, or of another number of samples";
+            return Err(nothing(reason.to_owned()));
         }
         self.renderings.pop();
         self.image = Some(golden.film);

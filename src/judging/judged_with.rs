@@ -53,25 +53,14 @@ impl JudgedWith {
         }
     }
 
-    /// What loosens the judgements of any of the runs. A setting that not all have alike says so.
+    /// What loosens the judgements of any of the runs; of a setting that they have in several values, the last one.
     pub fn of_runs(runs: Vec<JudgedWith>) -> JudgedWith {
         let mut all = JudgedWith::default();
-        let mut values: BTreeMap<String, Vec<String>> = BTreeMap::new();
-        for run in &runs {
-            for (name, value) in &run.settings {
-                values.entry(name.clone()).or_default().push(value.clone());
-            }
-            all.skipped.extend(run.skipped.iter().cloned());
-            all.cannot.extend(run.cannot.iter().cloned());
+        for run in runs {
+            all.settings.extend(run.settings);
+            all.skipped.extend(run.skipped);
+            all.cannot.extend(run.cannot);
         }
-        let joined = values.into_iter().map(|(name, mut values)| {
-            let is_part = values.len() < runs.len();
-            values.sort();
-            values.dedup();
-            let part = ["", " in part"][usize::from(is_part || values.len() > 1)];
-            (name, values.join(", ") + part)
-        });
-        all.settings = joined.collect();
         all
     }
 
@@ -127,8 +116,6 @@ mod tests {
         let said = "--accept-conventions, --bits 8; 2 skipped, 1 cannot be rendered";
         assert_eq!(of.in_words(), said);
         let both = JudgedWith::of_runs(vec![of.clone(), JudgedWith::default()]);
-        let said =
-            "--accept-conventions in part, --bits 8 in part; 2 skipped, 1 cannot be rendered";
         assert_eq!(both.in_words(), said);
         assert_eq!(JudgedWith::of_runs(vec![of.clone()]), of);
         let strict = [("accept conventions".to_owned(), "false".to_owned())];

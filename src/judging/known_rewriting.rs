@@ -3,17 +3,11 @@
 use super::known_failure::Keys;
 use toml_edit::{DocumentMut, Item, Table, TableLike, value};
 
-/// What stands above the entries of a new file.
-const HEAD: &str = "\
-# Known failures of a renderer, for `volref validate --known`.
-# Each has a reason, written by a person.
-
-";
-
 /// A file under change.
 pub(super) struct Rewriting {
     document: DocumentMut,
-    is_new: bool,
+    /// Comments above entries that were removed: the first stands above all.
+    head: String,
     /// Position of the tables that come last.
     last: isize,
 }
@@ -26,20 +20,21 @@ impl Rewriting {
         let last = tables.filter_map(Table::position).max();
         Rewriting {
             document,
-            is_new: text.trim().is_empty(),
+            head: String::new(),
             last: last.unwrap_or(0) + 1,
         }
     }
 
     /// The entry `name` replaced, in its place, by `entries` with these names, with what changes in them.
     pub fn replace(&mut self, name: &str, entries: Vec<(String, Keys)>) {
-        let next = self.after(name);
         let Some(entry) = self.document.remove(name) else {
             return;
         };
-        if entries.is_empty() {
-            self.keep_head(&entry, next.as_deref());
-        }
+        let prefix = entry.as_table().and_then(|table| table.decor().prefix());
+        let prefix = prefix.and_then(|prefix| prefix.as_str());
+        self.head += prefix
+            .filter(|it| entries.is_empty() && it.contains('#'))
+            .unwrap_or("");
         for (index, (name, keys)) in entries.into_iter().enumerate() {
             let mut entry = entry.clone();
             // A comment stands once.
@@ -63,45 +58,9 @@ impl Rewriting {
     }
 
     pub fn text(self) -> String {
-        let text = self.document.to_string();
-        match self.is_new {
-            true if !text.is_empty() => HEAD.to_owned() + text.trim_start(),
-            _ => text,
-        }
-    }
-
-    /// The name of the table that follows `name` in the file.
-    fn after(&self, name: &str) -> Option<String> {
-        let position = self.document.get(name)?.as_table()?.position();
-        let tables = self.document.iter();
-        let others = tables.filter_map(|(name, item)| Some((item.as_table()?.position(), name)));
-        let next = others.filter(|(other, _)| *other > position).min();
-        next.map(|(_, name)| name.to_owned())
-    }
-
-    /// Moves what stands above a removed entry to the `next`, up to the last empty line: below that it is a comment on
-    /// the entry itself.
-    fn keep_head(&mut self, removed: &Item, next: Option<&str>) {
-        let prefix = removed.as_table().and_then(|table| table.decor().prefix());
-        let prefix = prefix.and_then(|prefix| prefix.as_str()).unwrap_or("");
-        let Some((head, _)) = prefix
-            .rsplit_once("\n\n")
-            .filter(|(head, _)| head.contains('#'))
-        else {
-            return;
-        };
-        let next = next.and_then(|name| self.document.get_mut(name));
-        if let Some(table) = next.and_then(Item::as_table_mut) {
-            let own = table.decor().prefix().and_then(|prefix| prefix.as_str());
-            let own = own.unwrap_or("\n").to_owned();
-            let between = if own.starts_with('\n') { "\n" } else { "\n\n" };
-            table
-                .decor_mut()
-                .set_prefix(format!("{head}{between}{own}"));
-        } else {
-            let own = self.document.trailing().as_str().unwrap_or("").to_owned();
-            self.document.set_trailing(format!("{head}\n{own}"));
-        }
+        (self.head + &self.document.to_string())
+            .trim_start()
+            .to_owned()
     }
 }
 

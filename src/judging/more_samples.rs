@@ -1,7 +1,7 @@
 //! More samples for cases that noise leaves open: a renderer is called again until each is decided.
 
 use super::{Cause, Judged, Looks, Verdict};
-use crate::compare::{Picture, are_comparable, is_of_precision};
+use crate::compare::{Picture, are_comparable};
 use crate::film::Film;
 use crate::renderers::{CallSettings, OtherRenderer, Rendered, stop_all};
 use crate::suite::{Case, Output};
@@ -270,15 +270,9 @@ impl OpenCase<'_> {
         Ok(pooled)
     }
 
-    /// The judgement on a new image, with the notes on the image before.
-    fn judged_at(&mut self, look: u32, rendered: Rendered) -> Judged {
-        let mut now = (self.more.judge)(self.case, rendered, look);
-        let notes = std::mem::take(&mut self.judged.result.notes);
-        // These are made anew for each image.
-        let is_old = |note: &String| is_of_precision(note);
-        let notes = notes.into_iter().filter(|note| !is_old(note));
-        now.result.notes.splice(0..0, notes);
-        now
+    /// The judgement on a new image.
+    fn judged_at(&self, look: u32, rendered: Rendered) -> Judged {
+        (self.more.judge)(self.case, rendered, look)
     }
 
     /// Judges the image of all samples; a failure before is final. The error is the reason to give up.
@@ -293,7 +287,6 @@ impl OpenCase<'_> {
             Err("no number of samples decides".to_owned())
         } else if had_failed && now.result.cause != Cause::Mismatch {
             // All looks together have one false alarm rate.
-            self.judged.result.notes = now.result.notes;
             Err("it failed at an earlier look".to_owned())
         } else {
             *self.judged = now;

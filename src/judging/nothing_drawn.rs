@@ -12,9 +12,6 @@ use crate::scene::{Model, Scene};
 use crate::suite::Case;
 use crate::variations::edited_film::mapped;
 
-/// Largest relative rounding of a value that is written: half of that of half precision is its own.
-const ROUNDING: f64 = 1.0 / 1024.0;
-
 /// The image of `scene` in which nothing is drawn; `None` of one without background.
 pub(crate) fn background(scene: &Scene) -> Option<Film> {
     let mut row = Vec::new();
@@ -51,38 +48,27 @@ pub(crate) fn nothing_drawn(
     // Some programs leave the background out.
     let empty = [(&background, "the background"), (&black, "black")];
     empty.into_iter().find_map(|(empty, name)| {
-        if is_like(&film, empty, true) {
-            return Some(format!("nothing was drawn: every pixel is {name}"));
-        }
         let [shown, lacking] = [empty, golden].map(|of| squared_difference(of, &film));
         let is_little = lacking > 0.0 && shown <= UNEXPLAINED * lacking;
-        (is_little && is_like(&film, empty, false)).then(|| {
-            format!(
-                "all but nothing was drawn: no pixel differs from {name} by more than its tolerance"
-            )
-        })
+        let words = || format!("nothing was drawn: every pixel is {name}, within its tolerance");
+        (is_little && is_like(&film, empty)).then(words)
     })
 }
 
-/// True if no value of `film` is off from `empty` by more than its tolerance and a code; `exactly`, by more than the
-/// rounding of a file.
-fn is_like(film: &Film, empty: &Film, exactly: bool) -> bool {
+/// True if no value of `film` is off from `empty` by more than its tolerance and a code.
+fn is_like(film: &Film, empty: &Film) -> bool {
     let codes = film.quantisation();
     let mut values = values_of(film).zip(values_of(empty));
     values.all(|(&value, &nothing)| {
         let [value, nothing] = [value, nothing].map(f64::from);
         let half_code = codes.map_or(0.0, |it| it.half_code(nothing));
-        (value - nothing).abs()
-            <= match exactly {
-                true => ROUNDING * nothing + 1.001 * half_code,
-                false => tolerance(nothing) + 2.0 * half_code,
-            }
+        (value - nothing).abs() <= tolerance(nothing) + 2.0 * half_code
     })
 }
 
 /// True if `film`, an image of `scene`, is its background within the tolerance of each pixel.
 pub(super) fn shows_nothing(film: &Film, scene: &Scene) -> bool {
-    background(scene).is_some_and(|empty| is_like(film, &empty, false))
+    background(scene).is_some_and(|empty| is_like(film, &empty))
 }
 
 /// True if `film` states no opacity, or one of nothing.

@@ -54,30 +54,19 @@ impl CaseTrials {
         self.unusable.is_none()
     }
 
-    /// These findings with those of another process, which may have tried other mistakes; `None` if they contradict
-    /// each other.
-    pub fn with(mut self, other: CaseTrials) -> Option<CaseTrials> {
-        if self.unusable != other.unusable {
-            return None;
-        }
+    /// These findings with those of another process, which may have tried other mistakes.
+    pub fn with(mut self, other: CaseTrials) -> CaseTrials {
         for (mistake, trial) in other.mistakes {
-            match self.trial(&mistake) {
-                Trial::NotTried => _ = self.mistakes.insert(mistake, trial),
-                known if trial != Trial::NotTried && known != trial => return None,
-                _ => {}
+            if self.trial(&mistake) == Trial::NotTried {
+                self.mistakes.insert(mistake, trial);
             }
         }
         for (variant, rejection) in other.benign {
-            if *self
-                .benign
-                .entry(variant)
-                .or_insert_with(|| rejection.clone())
-                != rejection
-            {
-                return None;
-            }
+            let known = self.benign.entry(variant).or_default();
+            *known = known.take().or(rejection);
         }
-        Some(self)
+        self.unusable = self.unusable.or(other.unusable);
+        self
     }
 
     fn trial(&self, mistake: &str) -> Trial {

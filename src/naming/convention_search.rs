@@ -65,13 +65,8 @@ impl Explained {
             0.0 => String::new(),
             share => format!(" but for {:.3} % of the pixels", 100.0 * share),
         };
-        let under = match result.conventions.len() {
-            1 => "this convention",
-            _ => "these conventions",
-        };
-        let agreement = format!("The right image under {under} agrees with it{rest}");
         result.profile = self.profile.clone();
-        set_verdict(result, accepted, &agreement);
+        set_verdict(result, accepted, &rest);
     }
 }
 
@@ -80,15 +75,11 @@ fn explain_by_profile((name, profile): &NamedProfile, result: &mut CaseResult, a
     let words = format!("{OF_PROFILE} {name}, {}", profile.name);
     result.conventions = vec![words];
     result.profile = Some(profile.text.clone());
-    set_verdict(
-        result,
-        accepted,
-        "The right image under them agrees with it",
-    );
+    set_verdict(result, accepted, "");
 }
 
-/// The verdict of the conventions that `result` holds, with a sentence on the `agreement` under them.
-fn set_verdict(result: &mut CaseResult, accepted: bool, agreement: &str) {
+/// The verdict of the conventions that `result` holds, under which the image agrees but for `rest`.
+fn set_verdict(result: &mut CaseResult, accepted: bool, rest: &str) {
     result.verdict = Verdict::Convention;
     result.search_ended = Some(true);
     result.cause = if accepted {
@@ -96,13 +87,10 @@ fn set_verdict(result: &mut CaseResult, accepted: bool, agreement: &str) {
     } else {
         Cause::Convention
     };
-    let size = match result.metrics.get("outlier_share").copied() {
-        None => String::new(),
-        Some(0.0) => " on the whole, in no pixel by more than its tolerance".to_owned(),
-        Some(share) => format!(" in {:.3} % of the pixels", 100.0 * share),
-    };
     let conventions = result.conventions.join("; ");
-    result.reason = format!("differs by convention{size}: it {conventions}. {agreement}");
+    result.reason = format!(
+        "differs by convention: it {conventions}. The right image under them agrees with it{rest}"
+    );
 }
 
 /// The search for the conventions behind images, with the sets that were found so far: what

@@ -39,6 +39,9 @@ const UNDECIDABLE: &str =
 const OF_OPACITY_ALONE: &str = "the colours are right: the difference is in opacity alone, and no mistake of opacity that \
     is known makes it";
 
+/// Words on a difference that nothing known explains.
+pub(crate) const NOTHING_KNOWN: &str = "no cause found";
+
 /// Largest number of mistakes named for an image. Each comes with two or three lines of advice:
 /// five of them fill most of a terminal of 24 lines.
 const MOST_NAMED: usize = 5;
@@ -67,18 +70,6 @@ impl Likenesses {
             searched: searched.count(),
             unexplained: unexplained.cloned().collect(),
             ..Likenesses::default()
-        }
-    }
-
-    /// Words on `case`, or on all, that nothing known explains.
-    pub(crate) fn nothing_known(&self, case: Option<&str>) -> &'static str {
-        let is_asked = |it: &&CaseResult| case.is_none_or(|case| case == it.name);
-        let mut asked = self.unexplained.iter().filter(is_asked).peekable();
-        let is_undecidable = |it: &CaseResult| it.difference.iter().any(|it| it == UNDECIDABLE);
-        if asked.peek().is_some() && asked.all(is_undecidable) {
-            "noise leaves the cause open"
-        } else {
-            "no cause found"
         }
     }
 }

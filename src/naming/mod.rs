@@ -5,4 +5,5 @@ pub(crate) mod likeness;
 mod shipped_profile;
 
 pub use convention_search::{ConventionSearch, Explained};
+pub(crate) use likeness::NOTHING_KNOWN;
 pub use likeness::{Likenesses, Predictions, Search, SearchStep, Stage, likeness};

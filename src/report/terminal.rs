@@ -2,8 +2,7 @@
 
 use crate::conventions::Profile;
 use crate::judging::{CaseResult, JudgedWith, KnownStatus, Verdict};
-use crate::naming::Likenesses;
-use crate::suite::ERROR_OF_TOLERANCE;
+use crate::naming::{Likenesses, NOTHING_KNOWN};
 use std::collections::BTreeMap;
 
 /// Length of the longest of `names`; 0 without any.
@@ -71,10 +70,6 @@ pub fn verdict_text(result: &CaseResult, widest: usize) -> String {
         text.push_str(&format!("\n              {said}\n"));
         return text;
     }
-    if let (Verdict::Pass, Some(&share)) = (result.verdict, result.metrics.get(ERROR_OF_TOLERANCE))
-    {
-        text.push_str(&format!("  {:>6}", closeness(share)));
-    }
     text.push('\n');
     let mut below: Vec<String> = Vec::new();
     if result.verdict != Verdict::Pass {
@@ -115,18 +110,7 @@ pub(super) fn counts_text(results: &[CaseResult]) -> String {
 
 /// Number of cases by verdict.
 pub(crate) fn summary_text(results: &[CaseResult]) -> String {
-    let mut text = String::new();
-    if results
-        .iter()
-        .any(|result| result.metrics.contains_key(ERROR_OF_TOLERANCE))
-    {
-        text.push_str(
-            "\nThe number is the error as a fraction of its tolerance: 0 is exact, 1 is the \
-            limit.\n",
-        );
-    }
-    text.push_str(&format!("\n{}\n", counts_text(results)));
-    text
+    format!("\n{}\n", counts_text(results))
 }
 
 /// What loosens the judgements; empty where nothing does.
@@ -137,18 +121,8 @@ pub(crate) fn judged_with_text(judged_with: &JudgedWith) -> String {
     }
 }
 
-/// An error as a share of what it may be, in few characters.
-fn closeness(share: f64) -> String {
-    match share {
-        0.0 => "0".to_owned(),
-        share if share < 5e-4 => "<0.001".to_owned(),
-        share => format!("{share:.3}"),
-    }
-}
-
-/// Likely mistakes, most likely first, and the extent of the search: at most `seconds` for each
-/// case, unless it `was_cut_short` by the user.
-pub fn likely_text(found: &Likenesses, was_cut_short: bool, seconds: f64) -> String {
+/// Likely mistakes, most likely first, and the extent of the search: at most `seconds` of work for each case.
+pub fn likely_text(found: &Likenesses, seconds: f64) -> String {
     let mut text = String::new();
     for known in &found.likely {
         let cases = if known.of == 1 { "case" } else { "cases" };
@@ -165,7 +139,7 @@ pub fn likely_text(found: &Likenesses, was_cut_short: bool, seconds: f64) -> Str
     let is_said = found.unexplained.iter().any(|it| !it.difference.is_empty());
     if found.likely.is_empty() && !found.unexplained.is_empty() && unfinished.is_empty() && !is_said
     {
-        text.push_str(&format!("\n{}\n", found.nothing_known(None)));
+        text.push_str(&format!("\n{}\n", NOTHING_KNOWN));
     }
     let measured = found
         .unexplained
@@ -173,13 +147,10 @@ pub fn likely_text(found: &Likenesses, was_cut_short: bool, seconds: f64) -> Str
         .filter(|it| !it.difference.is_empty());
     for result in measured {
         let case = &result.name;
-        let is_open = unfinished.iter().any(|search| search.case == *case);
         let head = if result.change_agrees {
             "a change of a parameter explains it"
-        } else if is_open {
-            "not explained yet; measured"
         } else {
-            &format!("{}; measured", found.nothing_known(Some(case)))
+            &format!("{NOTHING_KNOWN}; measured")
         };
         text.push_str(&format!("\n{case}: {head}:\n"));
         for sentence in &result.difference {
@@ -187,13 +158,9 @@ pub fn likely_text(found: &Likenesses, was_cut_short: bool, seconds: f64) -> Str
         }
     }
     if !unfinished.is_empty() {
-        let why = match was_cut_short {
-            true => "was interrupted".to_owned(),
-            false => format!("reached its limit of {seconds} s of work"),
-        };
         let names: Vec<&str> = unfinished.iter().map(|search| &*search.case).collect();
         text.push_str(&format!(
-            "\nthe search {why} in {}; run again with --explain {} to continue\n",
+            "\nthe search ended early in {}; run again with --explain {} to continue\n",
             names.join(", "),
             MORE_TIME * seconds
         ));

@@ -37,8 +37,6 @@ pub struct SearchStep {
     pub done: usize,
     /// Hypotheses of this stage.
     pub of: usize,
-    /// Time left for this case, where it has a limit.
-    pub left: Option<Duration>,
 }
 
 /// A stage of the search in an image.
@@ -107,7 +105,6 @@ impl<'s> SearchClock<'s> {
                 stage: Stage::Singles,
                 done: 0,
                 of: 0,
-                left: None,
             }),
         }
     }
@@ -157,11 +154,8 @@ impl<'s> SearchClock<'s> {
 
     /// Reports that `done` of so many things are tried.
     pub fn report(&self, stage: Stage, done: usize, of: usize) {
-        let left =
-            |[limit, _]: [u64; 2]| limit.saturating_sub(self.work()) as f64 / WORK_PER_SECOND;
         let mut step = self.step.lock().unwrap_or_else(PoisonError::into_inner);
         (step.stage, step.done, step.of) = (stage, done, of);
-        step.left = self.limits.map(left).map(Duration::from_secs_f64);
         (self.search.progress)(&step);
     }
 

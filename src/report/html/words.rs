@@ -2,7 +2,7 @@
 
 use crate::compare::NON_FINITE;
 use crate::judging::{CaseResult, Verdict};
-use crate::naming::Likenesses;
+use crate::naming::{Likenesses, NOTHING_KNOWN};
 use crate::report::terminal::counts_text;
 
 /// The result of the suite in a sentence.
@@ -18,7 +18,7 @@ pub(super) fn headline(results: &[CaseResult], found: &Likenesses) -> String {
         ),
         None if found.searched < failed || !found.unfinished.is_empty() => String::new(),
         None if found.unexplained.iter().all(|it| it.change_agrees) => String::new(),
-        None => format!("; {}", found.nothing_known(None)),
+        None => format!("; {}", NOTHING_KNOWN),
     };
     let is_broken = |result: &&CaseResult| result.metrics.contains_key(NON_FINITE.0);
     let broken = match results.iter().filter(is_broken).count() {
