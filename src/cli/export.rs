@@ -39,7 +39,7 @@ pub fn run(mut arguments: Arguments) -> Result<Outcome, Failure> {
     let stem = arguments.scene.file_stem().unwrap_or_default();
     let format = arguments.to;
     let name = stem.to_string_lossy();
-    let export = exchange::export_at(&scene, format, &name, named.exposure)?;
+    let export = exchange::export(&scene, format, &name, named.exposure)?;
     let folder = &arguments.output;
     // Where it is yet to be made, none of its files is another.
     if folder.is_dir() {
@@ -75,7 +75,7 @@ pub fn run(mut arguments: Arguments) -> Result<Outcome, Failure> {
     let mut value = json!({
         "schema": "volref/export/1",
         "scene": arguments.scene,
-        "format": format.name(),
+        "format": format.to_string(),
         "folder": folder,
         "main": export.main,
         "files": export.files.iter().map(|(name, _)| name).collect::<Vec<_>>(),

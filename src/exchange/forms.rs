@@ -188,21 +188,6 @@ impl Form {
         }
     }
 
-    /// No two of its points are farther apart than this; of a ball or upright box, some are as
-    /// far.
-    pub(super) fn across(&self) -> f64 {
-        match self {
-            Form::Sphere { radius, .. } => 2.0 * radius,
-            _ => self.size().length(),
-        }
-    }
-
-    /// The edges of the box around its corners.
-    fn size(&self) -> DVec3 {
-        let bounds = Aabb::around(self.corners());
-        bounds.map_or(DVec3::ZERO, |bounds| bounds.size())
-    }
-
     /// The largest coordinate, in magnitude.
     pub(super) fn reach(&self) -> f64 {
         let corners = self.corners();

@@ -28,7 +28,7 @@ mod refusal;
 mod view;
 
 pub use export_files::Export;
-pub use refusal::{ExportFault, Refusal};
+pub use refusal::Refusal;
 
 use crate::scene::{Model, Scene};
 use std::fmt;
@@ -52,28 +52,16 @@ pub enum Format {
 }
 
 impl Format {
-    /// All of them, by their names on the command line.
-    const NAMES: [(&str, Format); 6] = [
-        ("mitsuba", Format::Mitsuba),
-        ("pbrt", Format::Pbrt),
-        ("bundle", Format::Bundle),
-        ("raw", Format::Raw),
-        ("nrrd", Format::Nrrd),
-        ("npy", Format::Npy),
-    ];
-
-    /// The name on the command line.
-    pub fn name(self) -> &'static str {
-        let named = Format::NAMES
-            .into_iter()
-            .find(|(_, format)| *format == self);
-        named.expect("every format has one").0
-    }
+    const ALL: [Format; 6] = {
+        use Format::*;
+        [Mitsuba, Pbrt, Bundle, Raw, Nrrd, Npy]
+    };
 }
 
+/// The name on the command line: that of the variant, in small letters.
 impl fmt::Display for Format {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
+        f.write_str(&format!("{self:?}").to_lowercase())
     }
 }
 
@@ -81,30 +69,22 @@ impl FromStr for Format {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Format, String> {
-        let named = Format::NAMES.into_iter().find(|(name, _)| *name == text);
-        named.map(|(_, format)| format).ok_or_else(|| {
-            let names = Format::NAMES.map(|(name, _)| name).join(", ");
+        let named = Format::ALL.into_iter().find(|it| it.to_string() == text);
+        named.ok_or_else(|| {
+            let names = Format::ALL.map(|it| it.to_string()).join(", ");
             format!("there is no format `{text}`: choose one of {names}")
         })
     }
 }
 
 /// `scene` in the given `format`, in files whose names begin with `name`: letters, digits, `.`, `-`
-/// and `_` are kept, other characters become `-`.
+/// and `_` are kept, other characters become `-`. Where the `exposure` of 8-bit images of the scene is known, in stops, a
+/// bundle states it.
 ///
 /// # Errors
 ///
 /// [`Refusal`] names everything that the format cannot express.
-pub fn export(scene: &Scene, format: Format, name: &str) -> Result<Export, Refusal> {
-    export_at(scene, format, name, None)
-}
-
-/// [`export`], where the exposure of 8-bit images of the scene is known, in stops: a bundle states it.
-///
-/// # Errors
-///
-/// As of [`export`].
-pub(crate) fn export_at(
+pub fn export(
     scene: &Scene,
     format: Format,
     name: &str,
@@ -157,7 +137,7 @@ mod tests {
 
     #[test]
     fn formats_have_names() {
-        for (_, format) in Format::NAMES {
+        for format in Format::ALL {
             assert_eq!(format.to_string().parse(), Ok(format));
         }
         let error = "Mitsuba".parse::<Format>().unwrap_err();

@@ -31,8 +31,7 @@
 //!
 //! Refused, beside what both formats lack words for: spotlights with a soft edge, whose falloff
 //! is another one (`lights.cpp`, `SpotLight::I`); nearest-neighbour grids; media with different
-//! phase functions in one place; emission where nothing absorbs; and what 32-bit numbers lose,
-//! which is in `limits`.
+//! phase functions in one place; emission where nothing absorbs; and what `limits` names.
 
 use super::export_scene::ExportScene;
 use super::files::SharedFiles;

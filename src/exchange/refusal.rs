@@ -1,53 +1,36 @@
 //! Scenes that a format cannot express.
 
 use super::Format;
+use std::fmt::Display;
 use thiserror::Error;
-
-/// One feature that a format cannot express.
-#[derive(Clone, Debug, PartialEq, Eq, Error)]
-#[error("{key}: {what}")]
-pub struct ExportFault {
-    /// Its key in the scene, such as `radiative.medium[2]`, counted from 0.
-    pub key: String,
-    /// Description, with a way around it if there is one.
-    pub what: String,
-}
 
 /// A scene that a format cannot express without changing it.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
-#[error("{format} cannot represent {}", listed(faults))]
+#[error("{format} cannot represent {}", faults.join("; "))]
 pub struct Refusal {
     /// The format.
     pub format: Format,
-    /// All features it cannot express, at least one.
-    pub faults: Vec<ExportFault>,
+    /// All features it cannot express, at least one: the key in the scene, such as `radiative.medium[2]`, counted from 0,
+    /// and what is wrong, with a way around it if there is one.
+    pub faults: Vec<String>,
 }
 
 impl Refusal {
     /// A refusal for a single reason.
-    pub fn of(format: Format, key: impl Into<String>, what: impl Into<String>) -> Refusal {
-        let (key, what) = (key.into(), what.into());
-        Refusal {
-            format,
-            faults: vec![ExportFault { key, what }],
-        }
+    pub fn of(format: Format, key: &str, what: &str) -> Refusal {
+        let faults = vec![format!("{key}: {what}")];
+        Refusal { format, faults }
     }
-}
-
-fn listed(faults: &[ExportFault]) -> String {
-    let faults: Vec<String> = faults.iter().map(ExportFault::to_string).collect();
-    faults.join("; ")
 }
 
 /// Collects all faults of a scene before it is refused.
 #[derive(Default)]
-pub(super) struct Faults(Vec<ExportFault>);
+pub(super) struct Faults(Vec<String>);
 
 impl Faults {
     /// Records one.
-    pub(super) fn add(&mut self, key: impl Into<String>, what: impl Into<String>) {
-        let (key, what) = (key.into(), what.into());
-        self.0.push(ExportFault { key, what });
+    pub(super) fn add(&mut self, key: impl Display, what: impl Display) {
+        self.0.push(format!("{key}: {what}"));
     }
 
     /// `result`, unless there was a fault.

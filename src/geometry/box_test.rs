@@ -37,32 +37,19 @@ impl BoxTest {
         }
     }
 
-    /// Distances `from ≤ t ≤ limit` at which the ray may enter each of `boxes`; infinite for a certain
-    /// miss.
+    /// The distance `from ≤ t ≤ limit` at which the ray may enter a box; infinite for a certain miss.
     #[inline]
-    pub fn entries(&self, boxes: &FourBoxes, from: f64, limit: f64) -> [f64; FourBoxes::COUNT] {
-        let mut near = [from; FourBoxes::COUNT];
-        let mut far = [limit; FourBoxes::COUNT];
+    pub fn entry(&self, bounds: &Aabb, from: f64, limit: f64) -> f64 {
+        let (mut near, mut far) = (from, limit);
         for axis in 0..3 {
-            let (mut first, mut last) = (&boxes.min[axis], &boxes.max[axis]);
+            let (mut first, mut last) = (bounds.min[axis], bounds.max[axis]);
             if self.down[axis] {
                 (first, last) = (last, first);
             }
-            for it in 0..FourBoxes::COUNT {
-                near[it] = larger(
-                    (first[it] - self.entry[axis]) * self.inverse[axis],
-                    near[it],
-                );
-                far[it] = smaller((last[it] - self.exit[axis]) * self.inverse[axis], far[it]);
-            }
+            near = larger((first - self.entry[axis]) * self.inverse[axis], near);
+            far = smaller((last - self.exit[axis]) * self.inverse[axis], far);
         }
-        std::array::from_fn(|it| {
-            if near[it] <= far[it] {
-                near[it]
-            } else {
-                f64::INFINITY
-            }
-        })
+        if near <= far { near } else { f64::INFINITY }
     }
 }
 
@@ -75,38 +62,6 @@ fn larger(a: f64, b: f64) -> f64 {
 /// The smaller of both, `b` where `a` is NaN.
 fn smaller(a: f64, b: f64) -> f64 {
     if a < b { a } else { b }
-}
-
-/// Four boxes that are tested together.
-#[derive(Clone, Debug)]
-pub(super) struct FourBoxes {
-    /// Lower ends by axis.
-    min: [[f64; FourBoxes::COUNT]; 3],
-    /// Upper ends by axis.
-    max: [[f64; FourBoxes::COUNT]; 3],
-}
-
-impl Default for FourBoxes {
-    /// Boxes that no ray meets.
-    fn default() -> FourBoxes {
-        FourBoxes {
-            min: [[f64::INFINITY; FourBoxes::COUNT]; 3],
-            max: [[f64::NEG_INFINITY; FourBoxes::COUNT]; 3],
-        }
-    }
-}
-
-impl FourBoxes {
-    /// Their number.
-    pub const COUNT: usize = 4;
-
-    /// Sets one of them.
-    pub fn set(&mut self, place: usize, bounds: &Aabb) {
-        for axis in 0..3 {
-            self.min[axis][place] = bounds.min[axis];
-            self.max[axis][place] = bounds.max[axis];
-        }
-    }
 }
 
 #[cfg(test)]
@@ -122,13 +77,8 @@ mod tests {
         };
         let meets = |origin: [f64; 3], direction: [f64; 3], limit: f64| {
             let ray = Ray::new(origin.into(), direction.into()).unwrap();
-            let mut boxes = FourBoxes::default();
-            boxes.set(2, &unit);
-            let entries = BoxTest::new(&ray, &unit).entries(&boxes, 0.0, limit);
-            for other in [0, 1, 3] {
-                assert_eq!(entries[other], f64::INFINITY, "there is no such box");
-            }
-            entries[2] < f64::INFINITY
+            let test = BoxTest::new(&ray, &unit);
+            test.entry(&unit, 0.0, limit) < f64::INFINITY
         };
         for zero in [0.0, -0.0] {
             for face in [0.0, 0.5, 1.0] {

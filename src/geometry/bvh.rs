@@ -15,7 +15,7 @@
 //! Source: Wald 2007, "On fast construction of SAH-based bounding volume hierarchies", IEEE Symposium
 //! on Interactive Ray Tracing, for the bins.
 
-use super::box_test::{BoxTest, FourBoxes};
+use super::box_test::BoxTest;
 use super::{Aabb, Ray};
 use arrayvec::ArrayVec;
 
@@ -29,36 +29,24 @@ const BINS: usize = 16;
 /// deeper than this and the logarithm of their number together.
 const DEEPEST: usize = 32;
 
-/// Boxes of a node.
-const WIDTH: usize = FourBoxes::COUNT;
+/// Nodes that may wait on the way through a tree of up to 2^31 faces: one on each of its levels, and two on the last.
+const WAITING: usize = DEEPEST + 33;
 
-/// Boxes that may wait on the way through a tree: all but one of a node on each of its levels, of which a node has
-/// two, with up to 2^31 faces.
-const WAITING: usize = (WIDTH - 1) * (DEEPEST + 32) / 2 + 1;
-
-/// A bounding volume hierarchy: faces split in two, twice a node, where the surface area heuristic expects the fewest
-/// tests of a ray. The four boxes of a node are tested together.
+/// A bounding volume hierarchy: faces split in two where the surface area heuristic expects the fewest tests of a ray.
 #[derive(Clone, Debug)]
 pub(crate) struct Bvh {
-    /// The box around all faces.
-    bounds: Option<Aabb>,
-    root: Content,
+    /// The root first; none without faces.
     nodes: Vec<Node>,
+    /// Faces, those of a leaf in a row.
     faces: Vec<usize>,
 }
 
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 struct Node {
-    boxes: FourBoxes,
-    contents: [Content; WIDTH],
-}
-
-/// The content of a box: faces, or a node.
-#[derive(Clone, Copy, Debug, Default)]
-struct Content {
-    /// Index of the node, or of the first face in [`Bvh::faces`].
+    bounds: Aabb,
+    /// The first face of a leaf, or the first of two nodes.
     first: usize,
-    /// Number of faces; 0 for a node.
+    /// How many faces a leaf has; 0 for a node of nodes.
     faces: usize,
 }
 
@@ -75,43 +63,13 @@ struct Split {
 impl Bvh {
     /// The hierarchy over faces `0..boxes.len()` with these boxes.
     pub fn new(boxes: &[Aabb]) -> Bvh {
-        let mut bvh = Bvh {
-            bounds: boxes.iter().copied().reduce(Aabb::union),
-            root: Content::default(),
-            nodes: Vec::new(),
-            faces: Vec::with_capacity(boxes.len()),
-        };
+        let mut nodes = Vec::new();
         let mut faces: Vec<usize> = (0..boxes.len()).collect();
-        if bvh.bounds.is_some() {
-            bvh.root = bvh.content(&mut faces, boxes, 0);
+        if !faces.is_empty() {
+            nodes.push(Node::of(&faces, boxes, 0));
+            divide(&mut nodes, 0, &mut faces, boxes, 0);
         }
-        bvh
-    }
-
-    /// A box of `faces`, which it lists in their order, with the nodes in it.
-    fn content(&mut self, faces: &mut [usize], boxes: &[Aabb], depth: usize) -> Content {
-        let Some(middle) = middle(faces, boxes, depth) else {
-            let first = self.faces.len();
-            self.faces.extend_from_slice(faces);
-            return Content {
-                first,
-                faces: faces.len(),
-            };
-        };
-        let (low, high) = faces.split_at_mut(middle);
-        let mut parts = ArrayVec::<&mut [usize], WIDTH>::new();
-        for half in [low, high] {
-            let middle = self::middle(half, boxes, depth + 1);
-            let (a, b) = half.split_at_mut(middle.unwrap_or(0));
-            parts.extend([a, b].into_iter().filter(|part| !part.is_empty()));
-        }
-        let first = self.nodes.len();
-        self.nodes.push(Node::default());
-        for (place, part) in parts.into_iter().enumerate() {
-            self.nodes[first].boxes.set(place, &around(part, boxes));
-            self.nodes[first].contents[place] = self.content(part, boxes, depth + 2);
-        }
-        Content { first, faces: 0 }
+        Bvh { nodes, faces }
     }
 
     /// Calls `visit` with candidates for crossings `from ≤ t ≤ limit`, nearer boxes first; it returns
@@ -123,13 +81,13 @@ impl Bvh {
         mut limit: f64,
         mut visit: impl FnMut(usize, f64) -> f64,
     ) {
-        let Some(bounds) = &self.bounds else {
+        let Some(root) = self.nodes.first() else {
             return;
         };
-        let test = BoxTest::new(ray, bounds);
-        let mut waiting = ArrayVec::<(f64, Content), WAITING>::new();
-        waiting.push((from, self.root));
-        while let Some((entry, Content { first, faces })) = waiting.pop() {
+        let test = BoxTest::new(ray, &root.bounds);
+        let mut waiting = ArrayVec::<(f64, &Node), WAITING>::new();
+        waiting.push((from, root));
+        while let Some((entry, &Node { first, faces, .. })) = waiting.pop() {
             let is_behind = entry > limit;
             if is_behind {
                 continue;
@@ -143,30 +101,47 @@ impl Bvh {
                 }
                 continue;
             }
-            let node = &self.nodes[first];
-            let entries = test.entries(&node.boxes, from, limit);
-            let bottom = waiting.len();
-            for (entry, &content) in entries.into_iter().zip(&node.contents) {
-                if entry == f64::INFINITY {
-                    continue;
-                }
-                waiting.push((entry, content));
-                // The nearest box comes on top.
-                let pushed = &mut waiting[bottom..];
-                let mut place = pushed.len() - 1;
-                while place > 0 && pushed[place - 1].0 < entry {
-                    pushed.swap(place - 1, place);
-                    place -= 1;
-                }
+            let mut halves = [first, first + 1].map(|half| {
+                let half = &self.nodes[half];
+                (test.entry(&half.bounds, from, limit), half)
+            });
+            if halves[0].0 < halves[1].0 {
+                halves.swap(0, 1);
             }
+            waiting.extend(halves.into_iter().filter(|half| half.0 < f64::INFINITY));
         }
     }
 }
 
+impl Node {
+    /// A leaf of faces that begin at `first`.
+    fn of(faces: &[usize], boxes: &[Aabb], first: usize) -> Node {
+        Node {
+            bounds: around(faces, boxes),
+            first,
+            faces: faces.len(),
+        }
+    }
+}
+
+/// Splits the node `at`, which holds `faces` as a leaf, as far as that spares tests.
+fn divide(nodes: &mut Vec<Node>, at: usize, faces: &mut [usize], boxes: &[Aabb], depth: usize) {
+    let Node { bounds, first, .. } = nodes[at];
+    let Some(middle) = middle(faces, boxes, &bounds, depth) else {
+        return;
+    };
+    let (low, high) = faces.split_at_mut(middle);
+    let half = nodes.len();
+    nodes.push(Node::of(low, boxes, first));
+    nodes.push(Node::of(high, boxes, first + middle));
+    (nodes[at].first, nodes[at].faces) = (half, 0);
+    divide(nodes, half, low, boxes, depth + 1);
+    divide(nodes, half + 1, high, boxes, depth + 1);
+}
+
 /// The number of faces in the first of two parts, after which `faces` are sorted; none if they make a leaf.
-fn middle(faces: &mut [usize], boxes: &[Aabb], depth: usize) -> Option<usize> {
-    let bounds = around(faces, boxes);
-    let split = best_split(faces, boxes, &bounds).filter(|_| depth < DEEPEST);
+fn middle(faces: &mut [usize], boxes: &[Aabb], bounds: &Aabb, depth: usize) -> Option<usize> {
+    let split = best_split(faces, boxes, bounds).filter(|_| depth < DEEPEST);
     // Without a split, the faces of a leaf cost a test each.
     let is_leaf = split.is_none_or(|split| split.cost >= faces.len() as f64);
     if faces.len() <= LEAF && is_leaf {

@@ -1,6 +1,6 @@
 //! The camera: pinhole or orthographic.
 
-use super::{Direction, InvalidParameter, Ray, require};
+use super::{Direction, InvalidParameter, Ray};
 use crate::math;
 use glam::DVec3;
 
@@ -88,11 +88,6 @@ impl Camera {
         intrinsics: Intrinsics,
         [width, height]: [usize; 2],
     ) -> Result<Camera, InvalidParameter> {
-        let message = format_args!(
-            "the last row of `matrix` is {:?}, and must be [0, 0, 0, 1]",
-            rows[3]
-        );
-        require(rows[3] == [0.0, 0.0, 0.0, 1.0], "matrix", message)?;
         let column = |at: usize| DVec3::new(rows[0][at], rows[1][at], rows[2][at]);
         let [right, up, backward, eye] = [0, 1, 2, 3].map(column);
         let is_product = |a: DVec3, b: DVec3, of: f64| (a.dot(b) - of).abs() <= NOT_RIGID;
@@ -100,13 +95,14 @@ impl Camera {
             && is_product(right, up, 0.0)
             && is_product(up, backward, 0.0)
             && is_product(backward, right, 0.0)
-            && right.cross(up).dot(backward) > 0.0;
+            && right.cross(up).dot(backward) > 0.0
+            && rows[3] == [0.0, 0.0, 0.0, 1.0];
         let axis = Direction::of(-backward).filter(|_| is_rigid);
         let upright = |axis: Direction| Direction::of(up - *axis * up.dot(*axis));
         let frame = axis.and_then(|axis| Some((axis, upright(axis)?)));
         let (axis, upright) = frame.ok_or_else(|| {
             let message = "the first three columns of `matrix` are no right-handed axes of length 1, \
-                           perpendicular to each other";
+                           perpendicular to each other, or its last row is not [0, 0, 0, 1]";
             InvalidParameter::new("matrix", message)
         })?;
         let [width, height] = [width, height].map(|pixels| pixels as f64);

@@ -109,32 +109,22 @@ fn edges(mesh: &Mesh) -> Vec<MeshEdge> {
 fn check_edges(mesh: &Mesh) -> Result<(), ObjFault> {
     let mut edges = edges(mesh);
     edges.sort_by_key(|edge| (edge.ends, edge.face));
-    for sharing in edges.chunk_by(|a, b| a.ends == b.ends) {
-        check(mesh, sharing).map_err(ObjFault::in_file)?;
-    }
-    Ok(())
-}
-
-/// Checks the faces that share an edge.
-fn check(mesh: &Mesh, sharing: &[MeshEdge]) -> Result<(), String> {
+    let mut shared = edges.chunk_by(|a, b| a.ends == b.ends);
+    let agree = |sharing: &&[MeshEdge]| match sharing {
+        [a, b] => a.ascending != b.ascending,
+        _ => false,
+    };
+    let Some(sharing) = shared.find(|sharing| !agree(sharing)) else {
+        return Ok(());
+    };
     let [from, to] = sharing[0].ends.map(|vertex| mesh.vertices()[vertex]);
-    let face = mesh.face_name(sharing[0].face);
-    match sharing {
-        [a, b] if a.ascending != b.ascending => Ok(()),
-        [_, b] => Err(format!(
-            "{face} and {} run along the edge from {from} to {to} in the same direction, so one of them is inside out; \
-             reverse the order of its corners",
-            mesh.face_name(b.face)
-        )),
-        all => Err(format!(
-            "the edge from {from} to {to} belongs to {}, {face} among them, and a closed boundary has two at each: fill \
-             the hole, or merge vertices by distance, for instance in Blender or MeshLab",
-            match all.len() {
-                1 => "one face".to_owned(),
-                count => format!("{count} faces"),
-            }
-        )),
-    }
+    let faces: Vec<String> = (sharing.iter().map(|edge| mesh.face_name(edge.face))).collect();
+    Err(ObjFault::in_file(format!(
+        "the edge from {from} to {to} belongs to {}, and a closed boundary has two faces at each, which run along it in \
+         opposite directions: fill the hole, merge vertices by distance, or reverse the corners of a face, for instance \
+         in Blender or MeshLab",
+        faces.join(", ")
+    )))
 }
 
 /// Signed volume, by tetrahedra from one vertex: a far origin would cost their digits.

@@ -42,21 +42,21 @@ impl Mesh {
         let mut boxes = Vec::with_capacity(faces.len());
         let mut area = Sum::default();
         for (index, face) in faces.iter().enumerate() {
+            let vertex = |at: usize| vertices.get(at).copied().filter(|it| it.is_finite());
             let name = || face_name(&lines, index);
-            let corners = corners(&vertices, *face, name)?;
-            normals.push(normal(corners).ok_or_else(|| {
-                let ([a, b, c], face) = (corners, name());
+            let [Some(a), Some(b), Some(c)] = face.map(vertex) else {
+                let message = format!("{} has no finite vertex at a corner", name());
+                return Err(ObjFault::in_file(message));
+            };
+            normals.push(perpendicular(b - a, c - a).ok_or_else(|| {
+                let face = name();
                 ObjFault::in_file(format!(
                     "{face} has no area: its corners {a}, {b} and {c} lie on a line; remove it"
                 ))
             })?);
-            area.add(
-                0.5 * (corners[1] - corners[0])
-                    .cross(corners[2] - corners[0])
-                    .length(),
-            );
+            area.add(0.5 * (b - a).cross(c - a).length());
             areas.push(area.value());
-            boxes.extend(Aabb::around(corners));
+            boxes.extend(Aabb::around([a, b, c]));
         }
         let bounds = boxes
             .iter()
@@ -257,25 +257,6 @@ fn face_name(lines: &[usize], index: usize) -> String {
     }
 }
 
-fn corners(
-    vertices: &[DVec3],
-    face: [usize; 3],
-    name: impl Fn() -> String,
-) -> Result<[DVec3; 3], ObjFault> {
-    let corner = |vertex: usize| {
-        let corner = vertices.get(vertex).filter(|corner| corner.is_finite());
-        let message = || format!("{} has no finite vertex {vertex}, counted from 0", name());
-        corner.copied().ok_or_else(message)
-    };
-    let [a, b, c] = face.map(|vertex| corner(vertex).map_err(ObjFault::in_file));
-    Ok([a?, b?, c?])
-}
-
-/// The normal, or `None` for corners on a line.
-fn normal([a, b, c]: [DVec3; 3]) -> Option<Direction> {
-    perpendicular(b - a, c - a)
-}
-
 /// The direction perpendicular to two others, or `None` where they are parallel up to
 /// rounding.
 pub(super) fn perpendicular(first: DVec3, second: DVec3) -> Option<Direction> {
@@ -301,7 +282,7 @@ mod tests {
         let refused =
             |faces: Vec<[usize; 3]>| Mesh::new(vertices(), faces).unwrap_err().to_string();
         assert!(refused(vec![]).contains("no faces"));
-        assert!(refused(vec![[0, 1, 2], [0, 1, 4]]).contains("face 2 has no finite vertex 4"));
+        assert!(refused(vec![[0, 1, 2], [0, 1, 4]]).contains("face 2 has no finite vertex"));
         let line = refused(vec![[0, 1, 3]]);
         assert!(
             line.contains("face 1") && line.contains("[2, 0, 0]"),
@@ -311,10 +292,7 @@ mod tests {
         let mut bad = vertices();
         bad[2].z = f64::NAN;
         let error = Mesh::new(bad, vec![[0, 1, 2]]).unwrap_err().to_string();
-        assert!(
-            error.starts_with("face 1 has no finite vertex 2"),
-            "{error}"
-        );
+        assert!(error.starts_with("face 1 has no finite vertex"), "{error}");
     }
 
     #[test]

@@ -182,16 +182,16 @@ fn corner(word: &Word, count: usize) -> Result<usize, ObjFault> {
             "{:?} is not a corner of a face: write the number of its vertex, like 7, 7/1, 7//1 or 7/1/1",
             word.text()
         ))),
-        Some(0) => {
-            Err(word.fault("vertex 0 is none: they are counted from 1, or back from -1".to_owned()))
-        }
         Some(vertex @ 1..) => Ok(vertex.unsigned_abs()),
-        Some(back) => (count + 1).checked_add_signed(back).filter(|&it| it > 0).ok_or_else(|| {
-            word.fault(format!(
-                "this face refers to the vertex {} lines back, but there are {count} before it",
-                back.unsigned_abs()
-            ))
-        }),
+        // -1 is the last one; 0 is none.
+        Some(back) => {
+            let vertex = (count + 1).checked_add_signed(back);
+            vertex.filter(|it| (1..=count).contains(it)).ok_or_else(|| {
+                word.fault(format!(
+                    "this face refers to vertex {back}, and {count} stand before it, counted from 1, or back from -1"
+                ))
+            })
+        }
     }
 }
 

@@ -65,12 +65,12 @@ impl Word<'_> {
     pub fn number(&self, name: &str) -> Result<f64, ObjFault> {
         let number = std::str::from_utf8(self.bytes).ok();
         let number = number.and_then(|text| text.parse::<f64>().ok());
-        let fault = match number {
-            Some(number) if number.is_finite() => return Ok(number),
-            Some(_) => "not finite: correct this line",
-            None => "not a number: write it like 0.5 or 5e-1",
-        };
-        Err(self.fault(format!("{name} is {:?}, which is {fault}", self.text())))
+        number.filter(|number| number.is_finite()).ok_or_else(|| {
+            let text = self.text();
+            self.fault(format!(
+                "{name} is {text:?}, which is no finite number: write it like 0.5 or 5e-1"
+            ))
+        })
     }
 
     /// The keyword of the format that the word is.

@@ -29,8 +29,7 @@ pub(super) fn first_of_fan(corners: &[DVec3]) -> Result<usize, &'static str> {
     tried.find(is_covered_from).ok_or(NOT_A_FAN)
 }
 
-const NO_AREA: &str = "this polygon has no area, or crosses itself: remove it, or split it";
-const NOT_A_FAN: &str = "no fan of triangles from one corner covers this polygon, or it crosses itself: triangulate faces when you \
+const NOT_A_FAN: &str = "no fan of triangles from one corner covers this polygon, or it has no area or crosses itself: triangulate faces when you \
      export the mesh (in Blender: \"Triangulated Mesh\"), or split it";
 
 /// The corners without the coordinate of the axis nearest to the normal, anticlockwise.
@@ -44,7 +43,7 @@ fn seen_along_normal(corners: &[DVec3]) -> Result<Vec<DVec2>, &'static str> {
     let (x, y) = match normal[axis] {
         area if area > 0.0 => (x, y),
         area if area < 0.0 => (y, x),
-        _ => return Err(NO_AREA),
+        _ => return Err(NOT_A_FAN),
     };
     Ok(corners.iter().map(|it| DVec2::new(it[x], it[y])).collect())
 }

@@ -127,13 +127,3 @@ impl<S: Surface> Surface for Arc<S> {
         fn blocks(ray: &Ray, limit: f64) -> bool;
     }
 }
-
-impl<S: Emitter> Emitter for Arc<S> {
-    forward! { (*)
-        fn area() -> f64;
-        fn sample(uv: [f64; 2]) -> SurfacePoint;
-        fn sample_towards(to: DVec3, uv: [f64; 2]) -> (SurfacePoint, EmitterPdf);
-        fn pdf_towards(to: DVec3) -> EmitterPdf;
-        fn extent() -> EmitterExtent;
-    }
-}

@@ -32,14 +32,12 @@ impl Sphere {
     /// A sphere around `centre` with a positive `radius`, in world units.
     pub fn new(centre: DVec3, radius: f64) -> Result<Sphere, InvalidParameter> {
         require_finite("centre", "the centre of the sphere", centre)?;
-        let message =
-            format_args!("the radius of a sphere must be positive and finite, got {radius}");
-        require(radius > 0.0 && radius.is_finite(), "radius", message)?;
         let sphere = Sphere { centre, radius };
         let message = format_args!(
-            "a sphere of radius {radius} vanishes at {centre}: coordinates there are too coarse; move the scene nearer to the origin"
+            "the radius of a sphere must be positive, finite, and not vanish beside its coordinates, got {radius} at {centre}"
         );
-        require(sphere.clearance() < radius, "radius", message)?;
+        let is_seen = radius.is_finite() && sphere.clearance() < radius;
+        require(is_seen, "radius", message)?;
         Ok(sphere)
     }
 

@@ -114,7 +114,7 @@ fn exported(scene: &Scene, case: &Case, format: &str, exports: &Path) -> Result<
     let format: Format = format.parse().expect("placeholders name formats");
     let folder = exports.join(format.to_string()).join(&case.name);
     let name = case.name.rsplit('/').next().unwrap_or(&case.name);
-    let export = exchange::export_at(scene, format, name, Some(case.exposure))
+    let export = exchange::export(scene, format, name, Some(case.exposure))
         .map_err(|refusal| Output::Missing(format!("{NOT_RENDERED}{refusal}")))?;
     export
         .write_into(&folder)

@@ -116,14 +116,10 @@ pub(super) fn given(reader: &Reader, size: [usize; 2]) -> SceneResult<Camera> {
     }
     let image = ImageHeight::read(reader)?;
     let point = |name: &'static str| {
-        reader.optional(name)?.ok_or_else(|| {
-            reader.mistake(
-                name,
-                format!("missing key `{name}` in [camera]"),
-                "a radiative scene has no default camera: give `eye`, its position, and \
-                    `target`, the point it looks at, or a `matrix`",
-            )
-        })
+        let message = || format!("missing key `{name}` in [camera]");
+        reader
+            .optional(name)?
+            .ok_or_else(|| reader.error(name, message()))
     };
     let (eye, target) = (point("eye")?, point("target")?);
     image.seen(reader, eye, target, reader.get("up")?)

@@ -113,24 +113,13 @@ impl Clip {
             }
         };
         let named: Option<Vec<String>> = reader.get("volumes")?;
-        let index = |name: String| index_of(reader, &name, names);
+        let index = |name: String| {
+            let index = names.iter().position(|known| known.as_ref() == Some(&name));
+            let message = || format!("there is no volume whose `name` is {name:?}");
+            index.ok_or_else(|| reader.error("volumes", message()))
+        };
         let volumes = named.map(|named| named.into_iter().map(index).collect());
         let volumes = volumes.transpose()?;
         Ok(Clip { kept, volumes })
     }
-}
-
-fn index_of(reader: &Reader, name: &str, names: &[Option<String>]) -> SceneResult<usize> {
-    let index = names
-        .iter()
-        .position(|known| known.as_deref() == Some(name));
-    index.ok_or_else(|| {
-        let known: Vec<&str> = names.iter().flatten().map(String::as_str).collect();
-        let message = format!("there is no volume named {name:?}");
-        let help = format!(
-            "volumes have a `name`; the named ones are: {}",
-            known.join(", ")
-        );
-        reader.mistake("volumes", message, help)
-    })
 }

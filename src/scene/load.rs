@@ -472,11 +472,7 @@ fn read_radiative(
     size: [usize; 2],
 ) -> SceneResult<Radiative> {
     refuse! { root: "transfer_function", "a radiative scene has no densities for a transfer function"; }
-    let Some(camera) = root.table("camera")? else {
-        let message = "a radiative scene needs a camera";
-        let help = "give [camera] with `eye`, its position, and `target`, the point it looks at, or a `matrix`";
-        return Err(reader.mistake_here(message, help));
-    };
+    let camera = root.table_or_default("camera")?;
     let sampling = SamplingTable::read(&root.table_or_default("sampling")?)?;
     Radiative::read(reader, &camera, sampling, files, size)
 }

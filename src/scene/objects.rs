@@ -104,16 +104,8 @@ impl Objects {
 
     /// True if there is nothing but the first volume, and no modulation of its opacity.
     pub fn is_empty(&self) -> bool {
-        self.is_one_volume() && self.modulation.is_none()
-    }
-
-    /// True if the opacity of the only volume is modulated, and there is nothing else.
-    pub(crate) fn are_modulation_alone(&self) -> bool {
-        self.is_one_volume() && self.modulation.is_some()
-    }
-
-    fn is_one_volume(&self) -> bool {
-        self.volumes.is_empty() && self.surfaces.is_empty() && self.clips.is_empty()
+        let is_one_volume = self.volumes.is_empty() && self.modulation.is_none();
+        is_one_volume && self.surfaces.is_empty() && self.clips.is_empty()
     }
 
     /// Reads surfaces and clips, given the names of all volumes.

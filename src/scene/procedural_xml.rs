@@ -69,21 +69,30 @@ pub fn read_procedural(path: &str, text: &str) -> SceneResult<ProceduralMedium> 
     let is_procedural =
         |node: &Node| node.has_tag_name("medium") && node.attribute("type") == Some("procedural");
     let mut media = xml.descendants().filter(is_procedural);
-    let medium = media.next().ok_or_else(|| {
-        wrong(
-            &document,
-            xml.root_element(),
-            "there is no procedural medium",
-        )
-    })?;
-    if let Some(second) = media.next() {
-        return Err(wrong(
-            &document,
-            second,
-            "this is a second procedural medium",
-        ));
+    let medium = match (media.next(), media.next()) {
+        (Some(medium), None) => medium,
+        (_, other) => {
+            let other = other.unwrap_or(xml.root_element());
+            return Err(wrong(
+                &document,
+                other,
+                "there is not exactly one procedural medium",
+            ));
+        }
+    };
+    let mut parameters: Vec<Parameter> = Vec::new();
+    for child in contents(medium) {
+        let parameter = parameter(&document, child)?;
+        let name = parameter.0.value();
+        if parameters.iter().any(|(other, ..)| other.value() == name) {
+            return Err(wrong(
+                &document,
+                child,
+                "this parameter is given a second time",
+            ));
+        }
+        parameters.push(parameter);
     }
-    let parameters = parameters(&document, medium)?;
     let rows = parameters.iter().map(|(name, value, numbers)| {
         let numbers = DeValue::parse(numbers).expect("written as TOML");
         (
@@ -163,27 +172,6 @@ fn offset_of(text: &str, position: roxmltree::TextPos) -> usize {
 
 /// A parameter: its name, its value, and the numbers of that as a value of TOML.
 type Parameter<'a, 'i> = (Attribute<'a, 'i>, Attribute<'a, 'i>, String);
-
-/// The parameters that stand in a medium; whatever else does is a mistake.
-fn parameters<'a, 'i>(
-    document: &Document,
-    medium: Node<'a, 'i>,
-) -> SceneResult<Vec<Parameter<'a, 'i>>> {
-    let mut found: Vec<Parameter> = Vec::new();
-    for child in contents(medium) {
-        let parameter = parameter(document, child)?;
-        let name = parameter.0.value();
-        if found.iter().any(|(other, ..)| other.value() == name) {
-            return Err(wrong(
-                document,
-                child,
-                "this parameter is given a second time",
-            ));
-        }
-        found.push(parameter);
-    }
-    Ok(found)
-}
 
 /// What stands in an element beside blanks and comments.
 fn contents<'a, 'i>(element: Node<'a, 'i>) -> impl Iterator<Item = Node<'a, 'i>> {

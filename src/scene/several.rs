@@ -177,10 +177,7 @@ impl Classified {
             ..
         } = &self.objects;
         let is_one_volume = volumes.is_empty() && surfaces.is_empty() && modulation.is_none();
-        let with = match self.objects.are_modulation_alone() {
-            true => "modulated opacities",
-            false => "several volumes, surfaces or clips",
-        };
+        let with = "several volumes, surfaces, clips or modulation";
         refuse! { reader:
             "mode" if self.mode != Mode::Composited && !is_one_volume, format!("with {with} samples are composited"),
                 "leave `mode` out, or what stands beside the volume, or modulates it; clips may stay";

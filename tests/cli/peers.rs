@@ -90,7 +90,7 @@ fn deterministic(reference: &Film, test: &Film) -> Judgement {
 }
 
 fn bundle(scene: &Scene, name: &str) -> Result<Export, Refusal> {
-    export(scene, Format::Bundle, name)
+    export(scene, Format::Bundle, name, None)
 }
 
 /// The bundle as its reader sees it: a volume with everything on.
@@ -649,7 +649,7 @@ fn the_script_for_pbrt_divides_by_white_and_states_noise() {
                  target = [0, 0, 0]\n[radiative]\nenvironment = [1, 2, 3]\n";
     let scene = Scene::parse(scene, Path::new("scene.toml")).unwrap();
     let folder = tempfile::tempdir().unwrap();
-    let export = export(&scene, Format::Pbrt, "scene").unwrap();
+    let export = export(&scene, Format::Pbrt, "scene", None).unwrap();
     for (file, bytes) in &export.files {
         std::fs::write(folder.path().join(file), bytes).unwrap();
     }

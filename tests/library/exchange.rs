@@ -15,7 +15,7 @@ fn scene(body: &str) -> Scene {
 }
 
 fn write(body: &str, format: Format) -> Result<Export, Refusal> {
-    export(&scene(body), format, "scene")
+    export(&scene(body), format, "scene", None)
 }
 
 fn text_of(export: &Export, name: &str) -> String {
@@ -41,9 +41,7 @@ fn pbrt(body: &str) -> String {
 fn faults(body: &str, format: Format) -> String {
     let refusal = write(body, format).unwrap_err();
     assert_eq!(refusal.format, format);
-    assert!(refusal.to_string().contains(&refusal.faults[0].key));
-    let faults = refusal.faults.iter().map(ToString::to_string);
-    faults.collect::<Vec<_>>().join("\n")
+    refusal.faults.join("\n")
 }
 
 /// The part of a text from the line that holds `from` to the line that is `to`.
@@ -353,7 +351,7 @@ fn the_suite() {
             let scene = Scene::load(&path).unwrap();
             let name = path.file_stem().unwrap().to_str().unwrap();
             for format in [Format::Mitsuba, Format::Pbrt] {
-                let outcome = match export(&scene, format, name) {
+                let outcome = match export(&scene, format, name, None) {
                     Ok(export) => {
                         match format {
                             Format::Mitsuba => check_xml(&export),
@@ -679,7 +677,7 @@ fn with_grid(more: &str, format: Format) -> Result<Export, Refusal> {
     let path = folder.path().join("scene.toml");
     std::fs::write(&path, text).unwrap();
     let scene = Scene::load(&path).unwrap_or_else(|error| panic!("{error}"));
-    export(&scene, format, "scene")
+    export(&scene, format, "scene", None)
 }
 
 #[test]
@@ -894,38 +892,18 @@ fn turns_of_emission_are_counted_as_pbrt_counts_them() {
     }
 }
 
-/// Positions are rounded, g is clamped, and free paths are shorter than the rounding.
+/// pbrt clamps g.
 #[test]
-fn what_pbrts_numbers_lose_is_refused() {
-    let far = "[[radiative.surface]]\nsphere = { centre = [0, 1, 1000000], radius = 1 }\n\
-               diffuse = { reflectance = 0.5 }\n";
+fn what_pbrt_clamps_is_refused() {
     let sharp = medium("sigma_s = 1\ng = 0.999");
-    let thick = medium("sigma_s = 5000");
-    for (body, expected) in [
-        (
-            far,
-            "radiative.surface[0]: an extent of 2.000e0 at coordinates up to 1.000e6, which pbrt's 32-bit numbers do not \
-             hold; move the scene to the origin, or choose another unit of length",
-        ),
-        (
-            &sharp,
-            "radiative.medium[0]: g = 0.999: pbrt takes any beyond 0.99 as 0.99",
-        ),
-        (
-            &thick,
-            "radiative.medium[0]: 1.7e4 mean free paths across it, where pbrt's 32-bit numbers \
-             tell places apart for 1e4; lower sigma_a and sigma_s, or make it smaller",
-        ),
-    ] {
-        assert_eq!(faults(body, Format::Pbrt), expected);
-        mitsuba(body);
-    }
-    // Nearer, rounder and thinner they are said.
-    pbrt(&far.replace("1000000", "100000"));
+    assert_eq!(
+        faults(&sharp, Format::Pbrt),
+        "radiative.medium[0]: g = 0.999: pbrt takes any beyond 0.99 as 0.99"
+    );
+    mitsuba(&sharp);
     pbrt(&sharp.replace("0.999", "0.99"));
     // What does not scatter has no phase function to clamp.
     pbrt(&sharp.replace("sigma_s", "sigma_a"));
-    pbrt(&thick.replace("5000", "2500"));
 }
 
 // --- Refusals -----------------------------------------------------------------------------------
@@ -1042,9 +1020,9 @@ fn all_faults_are_named_at_once_and_nothing_that_does_nothing_is() {
 fn scenes_too_small_for_rays_of_mitsubas_are_refused() {
     let text = "[camera]\neye = [0, 0, -0.01]\ntarget = [0, 0, 0]\n[radiative]\nenvironment = 1\n";
     let scene = Scene::parse(text, Path::new("scene.toml")).unwrap();
-    let refusal = export(&scene, Format::Mitsuba, "scene").unwrap_err();
+    let refusal = export(&scene, Format::Mitsuba, "scene", None).unwrap_err();
     assert!(refusal.to_string().contains("too small"), "{refusal}");
-    check_pbrt(&export(&scene, Format::Pbrt, "scene").unwrap());
+    check_pbrt(&export(&scene, Format::Pbrt, "scene", None).unwrap());
 }
 
 #[test]
@@ -1055,7 +1033,7 @@ fn titles_and_names_break_nothing() {
                 sigma_a = [1, 2, 3]\n";
     let scene = Scene::parse(text, Path::new("scene.toml")).unwrap();
     for format in [Format::Mitsuba, Format::Pbrt] {
-        let export = export(&scene, format, "../a--b <\"&'.c").unwrap();
+        let export = export(&scene, format, "../a--b <\"&'.c", None).unwrap();
         assert!(export.main.starts_with("a--b"), "{}", export.main);
         match format {
             Format::Mitsuba => check_xml(&export),
@@ -1103,7 +1081,7 @@ fn parallel_rays() {
                sphere = { centre = [1, 1, -6], radius = 0.25 }\n";
     for format in [Format::Mitsuba, Format::Pbrt] {
         let refusal = parallel(cut, format).unwrap_err();
-        let text = refusal.faults[0].to_string();
+        let text = refusal.faults[0].clone();
         assert!(text.contains("begin on either side of it"), "{text}");
     }
 }
@@ -1111,7 +1089,7 @@ fn parallel_rays() {
 #[test]
 fn other_models_are_refused() {
     let curve = Scene::parse("[curve]\n", Path::new("curve.toml")).unwrap();
-    let refusal = export(&curve, Format::Mitsuba, "curve").unwrap_err();
+    let refusal = export(&curve, Format::Mitsuba, "curve", None).unwrap_err();
     assert_eq!(
         refusal.to_string(),
         "mitsuba cannot represent curve: a plot of a curve; export it to `bundle`"

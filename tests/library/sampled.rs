@@ -74,7 +74,7 @@ fn every_case_can_be_met() {
                 "{name}"
             );
         }
-        export(&loaded, Format::Bundle, "scene")
+        export(&loaded, Format::Bundle, "scene", None)
             .unwrap_or_else(|refusal| panic!("{name}: {refusal:?}"));
         let film = golden_of(name);
         assert!([film.width(), film.height()].iter().all(|&side| side <= 96));

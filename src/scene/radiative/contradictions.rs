@@ -51,17 +51,12 @@ impl<'d, 's> Contradictions<'_, 'd, 's> {
              `radiative.max_bounces`"
         );
         for (reader, body) in unbounded {
-            let emits = body.medium.emission.cmpgt(DVec3::ZERO);
-            if (emits & sigma_t.cmpeq(DVec3::ZERO)).any() {
-                let message = "a medium that fills all space and emits without absorbing is infinitely bright";
-                return Err(reader.mistake("emission", message, help));
-            }
-            let scatters = body.medium.coefficients.sigma_s().cmpgt(DVec3::ZERO);
-            let for_ever = (scatters & sigma_a.cmpeq(DVec3::ZERO)).any();
-            if for_ever && self.scene.scattering == Scattering::Multiple(None) {
-                let key = reader.first_of(&["albedo"]).unwrap_or("sigma_s");
-                let message = "a medium that fills all space and scatters without absorbing scatters light for ever";
-                return Err(reader.mistake(key, message, help));
+            let dark = body.medium.emission.cmple(DVec3::ZERO) | sigma_t.cmpgt(DVec3::ZERO);
+            let is_endless = self.scene.scattering == Scattering::Multiple(None);
+            let still = body.medium.coefficients.sigma_s().cmple(DVec3::ZERO);
+            if !dark.all() || is_endless && !(still | sigma_a.cmpgt(DVec3::ZERO)).all() {
+                let message = "a medium that fills all space and emits or scatters without absorbing is infinitely bright";
+                return Err(reader.mistake_here(message, help));
             }
         }
         if sigma_t == DVec3::ZERO {

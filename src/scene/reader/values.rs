@@ -114,10 +114,6 @@ impl Value for DVec3 {
             (DeValue::String(text), Kind::Colour(_)) => {
                 srgb(text).ok_or_else(|| reader.wrong_form(name))?
             }
-            (DeValue::Array(items), _) if items.len() != 3 => {
-                let message = format!("`{name}` must be three numbers, not {}", items.len());
-                return Err(reader.error(name, message));
-            }
             (DeValue::Array(_), _) => DVec3::from_array(Value::read(reader, name, value)?),
             _ => return Err(reader.wrong_type(name, value)),
         };

@@ -168,7 +168,7 @@ fn read_scene(workshop: &Workshop, bytes: &[u8]) -> Result<(), String> {
     }
     for format in ["mitsuba", "pbrt"] {
         let format: Format = format.parse().unwrap();
-        let _ = export(&scene, format, "mutant").map_err(|refusal| refusal.to_string());
+        let _ = export(&scene, format, "mutant", None).map_err(|refusal| refusal.to_string());
     }
     Ok(())
 }
