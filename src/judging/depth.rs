@@ -24,21 +24,18 @@ pub(super) struct DepthComparison<'c> {
 impl DepthComparison<'_> {
     /// Right depths, of the pixels that are compared.
     pub fn right(&self, depth: Depth) -> Result<Vec<f32>, String> {
-        Ok(self.seen(render::depth(self.scene, depth)?))
-    }
-
-    /// Difference of `test` from `right`.
-    pub fn of(&self, right: &[f32], test: &[f32]) -> DepthDifference {
-        DepthDifference::of(right, test, self.width, self.step)
-    }
-
-    fn seen(&self, mut depths: Vec<f32>) -> Vec<f32> {
+        let mut depths = render::depth(self.scene, depth)?;
         for (depth, &opacity) in depths.iter_mut().zip(self.opacity.unwrap_or_default()) {
             if opacity < FAINTEST {
                 *depth = f32::INFINITY;
             }
         }
-        depths
+        Ok(depths)
+    }
+
+    /// Difference of `test` from `right`.
+    pub fn of(&self, right: &[f32], test: &[f32]) -> DepthDifference {
+        DepthDifference::of(right, test, self.width, self.step)
     }
 }
 

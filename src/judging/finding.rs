@@ -4,7 +4,7 @@ use super::nothing_drawn::shows_nothing;
 use super::{CaseResult, Cause, Evidence, Verdict};
 use crate::compare::{Conditions, Judgement, Picture, Sensitivity};
 use crate::conventions::Profile;
-use crate::render::{Plan, plans, render};
+use crate::render::{plans, render};
 use crate::scene::{Panel, Precision, Sampling, Scene};
 use crate::suite::golden::{accept_advice, plan_hash, scene_hash, short};
 use crate::suite::rendering::check_class;
@@ -132,12 +132,6 @@ impl CheckedGolden {
         Ok(self)
     }
 
-    /// True if a volume of the scene has conventions of less than double precision.
-    fn is_in_single_precision(&self) -> bool {
-        let mut volumes = self.scene.panels.iter().filter_map(Panel::classified);
-        volumes.any(|volume| volume.conventions.precision != Precision::F64)
-    }
-
     /// Longest step of a classified volume of the scene, world units.
     pub fn longest_step(&self) -> f64 {
         let volumes = self.scene.panels.iter().filter_map(Panel::classified);
@@ -146,19 +140,16 @@ impl CheckedGolden {
 
     /// Conditions under which an image of `case` is judged.
     pub fn conditions(&self, case: &Case) -> Conditions<'_> {
+        let mut volumes = self.scene.panels.iter().filter_map(Panel::classified);
         Conditions {
             exposure: case.exposure,
             cases: self.cases,
             promise: Some(case.promise),
-            in_single_precision: self.is_in_single_precision(),
+            in_single_precision: volumes
+                .any(|volume| volume.conventions.precision != Precision::F64),
             opacity: case.opacity,
             sensitivities: &self.sensitivities,
         }
-    }
-
-    /// The plans of the scene.
-    pub fn plans(&self) -> Vec<Plan<'_>> {
-        plans(&self.scene)
     }
 
     /// Provenance of the golden, for people.

@@ -245,7 +245,7 @@ impl OpenCase<'_> {
             // No statistics: the verdict is that on this image alone.
             Output::Picture(_) | Output::Refined(_) => {
                 self.to_keep.clear();
-                *self.judged = self.judged_at(self.looks.count() + 1, rendered);
+                *self.judged = (self.more.judge)(self.case, rendered, self.looks.count() + 1);
                 let fault = format!("the image of call {calls} cannot be added to the others");
                 Err(fault)
             }
@@ -270,14 +270,9 @@ impl OpenCase<'_> {
         Ok(pooled)
     }
 
-    /// The judgement on a new image.
-    fn judged_at(&self, look: u32, rendered: Rendered) -> Judged {
-        (self.more.judge)(self.case, rendered, look)
-    }
-
     /// Judges the image of all samples; a failure before is final. The error is the reason to give up.
     fn judge(&mut self, rendered: Rendered) -> Result<(), String> {
-        let mut now = self.judged_at(self.looks.count(), rendered);
+        let mut now = (self.more.judge)(self.case, rendered, self.looks.count());
         let had_failed = self.judged.result.cause == Cause::Mismatch;
         if self.looks.is_heavy_tailed() {
             let result = &mut now.result;

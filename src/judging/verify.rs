@@ -6,7 +6,7 @@ use super::truth::judge_by_truth;
 use super::{CaseResult, Cause, Evidence, Judged, Verdict};
 use crate::compare::{Conditions, Gate, Judgement, Picture, judge, stochastic};
 use crate::film::Film;
-use crate::render;
+use crate::render::{self, plans};
 use crate::suite::ERROR_OF_TOLERANCE;
 use crate::suite::golden::{input_hashes, short};
 use crate::suite::rendering::{CaseRendering, Render, render_case};
@@ -37,7 +37,7 @@ pub(crate) fn verify_with(
             (Some(_), Some(quick)) => CaseRendering::Quick(quick.samples),
             _ => CaseRendering::Only,
         };
-        let film = render_case(render, &checked.plans(), rendering, progress)
+        let film = render_case(render, &plans(&checked.scene), rendering, progress)
             .map_err(|reason| CaseResult::new(Verdict::Fail, Cause::Mismatch, reason))?
             .film;
         let mut finding = match quick {

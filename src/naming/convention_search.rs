@@ -220,7 +220,7 @@ impl<'s> ConventionSearch<'s> {
         }
         let alternatives = attempt.alternatives(&set, but_for);
         Some(Explained {
-            profile: profile_text(images.scene, &set, &alternatives),
+            profile: profile_text(images.scene, &set),
             alternatives,
             set,
             but_for,
