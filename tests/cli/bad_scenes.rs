@@ -249,7 +249,7 @@ fn wrong_types() {
     scene.toml:9:17: `interpolation` must be one of "trilinear", "nearest", not an integer help: `classified.interpolation`: Interpolation of densities and gradients between nodes.
     scene.toml:9:17: `interpolation` must be one of "trilinear", "nearest", but is "cubic" help: `classified.interpolation`: Interpolation of densities and gradients between nodes.
     scene.toml:9:14: `background` must be a colour: three numbers red, green, blue, such as [1, 0.5, 0], one for all three, or sRGB such as '#ff8000', not a boolean help: `classified.background`: Linear radiance behind the volume.
-    scene.toml:9:14: `background` must be three numbers, not 2 help: `classified.background`: Linear radiance behind the volume.
+    scene.toml:9:14: `background` must be a colour: three numbers red, green, blue, such as [1, 0.5, 0], one for all three, or sRGB such as '#ff8000' help: `classified.background`: Linear radiance behind the volume.
     scene.toml:9:14: `background` must be a colour: three numbers red, green, blue, such as [1, 0.5, 0], one for all three, or sRGB such as '#ff8000', not a string help: `classified.background`: Linear radiance behind the volume.
     scene.toml:9:16: `vertical_fov` must be a number, not a string help: `camera.vertical_fov`: Full angle between the top and bottom edge of the image, degrees.
     scene.toml:11:8: `file` must be text in quotes, not an integer help: `classified.volume.file`: Point cloud or grid, in a format that `volref info --help` lists, relative to the folder of the scene.
@@ -829,9 +829,9 @@ fn volumes_surfaces_and_clips() {
     broken.toml:12:1: missing key `colour` in [classified.surface[0]] help: `classified.surface[0].colour`: Linear radiance of the material before shading.
     broken.toml:13:10: `colour` must be finite and at least 0 in every channel, got [-1, -1, -1] help: `classified.surface[0].colour`: Linear radiance of the material before shading.
     broken.toml:12:1: several volumes follow conventions where they are sampled by common steps, without shadow and modulation help: add `volume_steps = "common"`, or leave the table out
-    broken.toml:6:15: with several volumes, surfaces or clips samples are composited front to back help: leave `compositing` out: the order changes no more than rounding
+    broken.toml:6:15: with several volumes, surfaces, clips or modulation samples are composited front to back help: leave `compositing` out: the order changes no more than rounding
     broken.toml:6:21: with several volumes, surfaces or clips no ray is ended early help: leave the key out
-    broken.toml:6:8: with several volumes, surfaces or clips samples are composited help: leave `mode` out, or what stands beside the volume, or modulates it; clips may stay
+    broken.toml:6:8: with several volumes, surfaces, clips or modulation samples are composited help: leave `mode` out, or what stands beside the volume, or modulates it; clips may stay
     broken.toml:11:8: another volume has this name, too help: give each volume a name of its own
     broken.toml:12:8: a step of 1e-30 world units means up to 4.9e30 samples on a ray; at most 1e8 are accepted help: `classified.volume[1].step`: Distance between samples of this volume, in place of the scene's: world units or voxels of its own.
     broken.toml:1:1: missing table [classified.volume] help: `classified.volume`: The densities; in double brackets those of several volumes, at most 64, each with a look of its own.

@@ -416,7 +416,7 @@ fn coefficients() {
     13:11: `sigma_a` must be finite and at least 0 in every channel, got [-0.5, -0.5, -0.5]
     13:11: `sigma_a` must be finite, got inf
     14:11: `sigma_s` must be finite, got nan
-    14:11: `sigma_s` must be three numbers, not 2
+    14:11: `sigma_s` must be a colour: three numbers red, green, blue, such as [1, 0.5, 0], one for all three, or sRGB such as '#ff8000'
     13:11: the coefficients are too large: sigma_t must be finite and not negative in every channel, got [inf, inf, inf] help: give smaller coefficients, or choose another unit of length
     14:10: `albedo` must lie in [0, 1] in every channel, got [1.2, 1.2, 1.2]
     14:10: `albedo` must lie in [0, 1] in every channel, got [0, -0.5, 0]
@@ -627,7 +627,7 @@ fn densities_that_are_none() {
     13:23: there is no file none.xml
     13:14: [radiative.medium[0].procedural] has no source help: give one of `file`, `text`
     13:1: the medium has a density but no coefficients, so it has no effect on light help: give it `sigma_a`, `sigma_s` or `emission`, as they are where the density is 1
-    2:32: `sigma_a` must be three numbers, not 2
+    2:32: `sigma_a` must be a colour: three numbers red, green, blue, such as [1, 0.5, 0], one for all three, or sRGB such as '#ff8000'
     ");
 }
 
@@ -776,7 +776,7 @@ fn lights() {
     ]), @r"
     16:1: [radiative.light[0]] has no kind of light help: give one of `point`, `spot`, `directional`
     17:45: `intensity` must be finite and at least 0 in every channel, got [-1, -1, -1]
-    17:22: `position` must be three numbers, not 2
+    17:22: `position` must be three numbers, such as [0, 1, 0]
     18:15: [radiative.light[0]] has more than one kind of light: `point`, `directional` help: keep exactly one of `point`, `directional`
     17:41: the spotlight has no direction: its target is its position
     17:98: a spotlight needs 0 <= inner_angle <= outer_angle <= 180 degrees and an outer_angle above 0, got 3 and 2
