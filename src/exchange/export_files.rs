@@ -16,19 +16,9 @@ pub struct Export {
 
 impl Export {
     /// All files or none: they are written under temporary names in `folder`, then renamed, the main one
-    /// last. A folder created for them is removed again on failure.
+    /// last. A folder made for them stays, empty, if this fails.
     pub fn write_into(&self, folder: &Path) -> io::Result<()> {
-        let is_new = !folder.exists();
         fs::create_dir_all(folder)?;
-        let written = self.write_files(folder);
-        if written.is_err() && is_new {
-            // Only the last of the folders made; the others are empty and harmless.
-            let _ = fs::remove_dir(folder);
-        }
-        written
-    }
-
-    fn write_files(&self, folder: &Path) -> io::Result<()> {
         let mut files = self.files.iter();
         if let Some((name, _)) = files.find(|(name, _)| folder.join(name).is_dir()) {
             return Err(io::Error::other(format!("{name} is a folder")));

@@ -26,7 +26,7 @@ use super::refusal::Faults;
 use super::view::{ahead, degrees};
 use super::{Export, Format, Refusal};
 use crate::film::CHANNELS;
-use crate::geometry::{Aabb, Direction, Intrinsics, Transform};
+use crate::geometry::{Aabb, Intrinsics, Transform};
 use crate::optics::{Light, Material, Phase, Sides};
 use crate::scene::{Panel, Radiative};
 use crate::volume::Interpolation;
@@ -297,7 +297,12 @@ impl MitsubaWriter<'_> {
                 }
                 let target = ahead(light.position, light.axis());
                 let parts = [
-                    look_at(light.position, target, across(light.axis()), None),
+                    look_at(
+                        light.position,
+                        target,
+                        light.axis().any_orthonormal_vector(),
+                        None,
+                    ),
                     rgb("intensity", light.intensity),
                     typed("float", "beam_width", beam),
                     typed("float", "cutoff_angle", outer),
@@ -526,11 +531,6 @@ fn bsdf(material: &Material) -> String {
 /// Whether the edges are perpendicular, up to a few roundings.
 fn is_right_angled([u, v]: &[DVec3; 2]) -> bool {
     u.dot(*v).abs() <= 16.0 * f64::EPSILON * u.length() * v.length()
-}
-
-/// A vector perpendicular to `axis`, well away from it.
-fn across(axis: Direction) -> DVec3 {
-    axis.any_orthonormal_vector()
 }
 
 /// The map that puts the unit cube where `to_world` puts a box.

@@ -22,16 +22,8 @@ pub struct Camera {
     /// or at the eye of an orthographic camera.
     half_right: DVec3,
     half_up: DVec3,
-    projection: Projection,
-}
-
-/// Where rays begin, and where they go.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Projection {
-    /// From the eye, through the points of the image plane.
-    Perspective,
-    /// From the points of the image plane, forward.
-    Orthographic,
+    /// Rays begin in the points of the image plane and go forward, not from the eye through these.
+    pub(crate) is_orthographic: bool,
 }
 
 /// Lengths of an image in its pixels: where its axis meets it, and how far away it is.
@@ -59,7 +51,7 @@ impl Camera {
         vertical_fov: f64,
     ) -> Result<Camera, InvalidParameter> {
         let half = math::tan(0.5 * vertical_fov);
-        Camera::towards(eye, target, up, half, Projection::Perspective)
+        Camera::towards(eye, target, up, half, false)
     }
 
     /// An orthographic camera at `eye` looking at `target`: rays are parallel and begin in the plane
@@ -71,7 +63,7 @@ impl Camera {
         up: DVec3,
         height: f64,
     ) -> Result<Camera, InvalidParameter> {
-        Camera::towards(eye, target, up, 0.5 * height, Projection::Orthographic)
+        Camera::towards(eye, target, up, 0.5 * height, true)
     }
 
     /// A camera by its map into the world, row by row, of an image of this `size`, in pixels. The columns are the
@@ -120,7 +112,7 @@ impl Camera {
             upright,
             half_right,
             half_up,
-            projection: Projection::Perspective,
+            is_orthographic: false,
         };
         camera.look_at(centre);
         Ok(camera)
@@ -131,7 +123,7 @@ impl Camera {
         target: DVec3,
         up: DVec3,
         half: f64,
-        projection: Projection,
+        is_orthographic: bool,
     ) -> Result<Camera, InvalidParameter> {
         let forward = Direction::of(target - eye).ok_or_else(|| {
             let message = "the camera is at its target, so it has no direction";
@@ -150,7 +142,7 @@ impl Camera {
             upright,
             half_right: right * half,
             half_up: upright * half,
-            projection,
+            is_orthographic,
         })
     }
 
@@ -159,14 +151,9 @@ impl Camera {
         self.eye
     }
 
-    /// Whether rays are parallel.
-    pub(crate) fn is_orthographic(&self) -> bool {
-        self.projection == Projection::Orthographic
-    }
-
     /// The height of the image of an orthographic camera, world units.
     pub fn orthographic_height(&self) -> Option<f64> {
-        self.is_orthographic().then(|| 2.0 * self.half_up.length())
+        self.is_orthographic.then(|| 2.0 * self.half_up.length())
     }
 
     /// Whether a field of view says where its rays go: its centre is on the axis, and its pixels are square, to a
@@ -178,7 +165,7 @@ impl Camera {
 
     /// The intrinsics of an image of this `size`; of parallel rays none.
     pub fn intrinsics(&self, [width, height]: [usize; 2]) -> Option<Intrinsics> {
-        if self.is_orthographic() {
+        if self.is_orthographic {
             return None;
         }
         let [right, up] = [self.half_right.length(), self.half_up.length()];
@@ -197,9 +184,9 @@ impl Camera {
     /// The full angle from the top to the bottom edge of the image, in radians; only nearly so where its centre
     /// lies beside the axis, and 0 of an orthographic camera.
     pub fn vertical_fov(&self) -> f64 {
-        match self.projection {
-            Projection::Perspective => 2.0 * math::atan2(self.half_up.length(), 1.0),
-            Projection::Orthographic => 0.0,
+        match self.is_orthographic {
+            false => 2.0 * math::atan2(self.half_up.length(), 1.0),
+            true => 0.0,
         }
     }
 
@@ -228,7 +215,7 @@ impl Camera {
     /// This camera with another [`Camera::vertical_fov`], in (0, π); an orthographic one has none and
     /// stays as it is.
     pub fn with_vertical_fov(&self, vertical_fov: f64) -> Camera {
-        if self.is_orthographic() {
+        if self.is_orthographic {
             return *self;
         }
         let factor = math::tan(0.5 * vertical_fov) / self.half_up.length();
@@ -238,24 +225,22 @@ impl Camera {
     /// This camera with parallel rays in place of those from one point, or the reverse. It sees the same part of the
     /// plane at `depth` along the axis, world units, > 0.
     pub(crate) fn with_other_projection(&self, depth: f64) -> Camera {
-        match self.projection {
-            Projection::Perspective => {
-                let distance = depth / self.axis.dot(*self.forward);
-                Camera {
-                    eye: self.eye + *self.forward * distance - *self.axis * depth,
-                    forward: self.axis,
-                    half_right: self.half_right * distance,
-                    half_up: self.half_up * distance,
-                    projection: Projection::Orthographic,
-                    ..*self
-                }
-            }
-            Projection::Orthographic => Camera {
+        if self.is_orthographic {
+            return Camera {
                 half_right: self.half_right / depth,
                 half_up: self.half_up / depth,
-                projection: Projection::Perspective,
+                is_orthographic: false,
                 ..*self
-            },
+            };
+        }
+        let distance = depth / self.axis.dot(*self.forward);
+        Camera {
+            eye: self.eye + *self.forward * distance - *self.axis * depth,
+            forward: self.axis,
+            half_right: self.half_right * distance,
+            half_up: self.half_up * distance,
+            is_orthographic: true,
+            ..*self
         }
     }
 
@@ -271,7 +256,7 @@ impl Camera {
     /// in the image by these fractions of its height. The rays are those of other points of the same
     /// plane. The eye of an orthographic camera moves in its plane.
     pub fn with_image_moved(&self, [right, down]: [f64; 2]) -> Camera {
-        if self.is_orthographic() {
+        if self.is_orthographic {
             let centre = self.half_up * (2.0 * down) - self.half_right * (2.0 * right);
             return Camera {
                 eye: self.eye + centre,
@@ -331,18 +316,16 @@ impl Camera {
             self.half_right * (across / height as f64),
             self.half_up * (down / height as f64),
         );
-        match self.projection {
-            Projection::Perspective => {
-                let towards = *self.forward + right - down;
-                Ray {
-                    origin: self.eye,
-                    direction: Direction::unit(towards / towards.length()),
-                }
-            }
-            Projection::Orthographic => Ray {
+        if self.is_orthographic {
+            return Ray {
                 origin: self.eye + right - down,
                 direction: self.forward,
-            },
+            };
+        }
+        let towards = *self.forward + right - down;
+        Ray {
+            origin: self.eye,
+            direction: Direction::unit(towards / towards.length()),
         }
     }
 }
@@ -373,7 +356,7 @@ mod tests {
         let beside = camera().with_image_moved([0.2, -0.1]);
         for perspective in [camera(), beside] {
             let parallel = perspective.with_other_projection(3.0);
-            assert!(parallel.is_orthographic() && !perspective.is_orthographic());
+            assert!(parallel.is_orthographic && !perspective.is_orthographic);
             let back = parallel.with_other_projection(3.0);
             for pixel in [[0, 0], [4, 1], [9, 7]] {
                 let [one, other, back] = [perspective, parallel, back].map(|camera| {
@@ -411,7 +394,7 @@ mod tests {
         );
         let moved = camera.with_image_moved([0.25, -0.5]);
         assert_eq!(moved.ray([2, 0], [4, 4]), camera.ray([1, 2], [4, 4]));
-        assert!(!self::camera().is_orthographic());
+        assert!(!self::camera().is_orthographic);
     }
 
     #[test]

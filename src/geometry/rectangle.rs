@@ -94,15 +94,6 @@ impl Rectangle {
         })
     }
 
-    /// The rectangle around `centre` that reaches `±half_u` and `±half_v` from it.
-    pub fn centred(
-        centre: DVec3,
-        half_u: DVec3,
-        half_v: DVec3,
-    ) -> Result<Rectangle, InvalidParameter> {
-        Rectangle::new(centre - half_u - half_v, half_u * 2.0, half_v * 2.0)
-    }
-
     /// The rectangle moved by `transform`; its front stays in front.
     pub fn transformed(&self, transform: &Transform) -> Result<Rectangle, InvalidParameter> {
         let (mut u, mut v) = (self.edge_u, self.edge_v);
@@ -306,7 +297,8 @@ mod tests {
 
     #[test]
     fn corners_centre_and_normal() {
-        let light = Rectangle::centred(DVec3::Y * 5.0, DVec3::X * 2.0, DVec3::Z).unwrap();
+        let light =
+            Rectangle::new(DVec3::new(-2.0, 5.0, -1.0), DVec3::X * 4.0, DVec3::Z * 2.0).unwrap();
         assert_eq!(light.normal(), Direction::NEG_Y);
         assert_eq!(light.area(), 8.0);
         assert_eq!(light.sample([0.5, 0.5]).position, DVec3::Y * 5.0);
@@ -321,7 +313,7 @@ mod tests {
 
     #[test]
     fn sides_of_points() {
-        let floor = Rectangle::centred(DVec3::ZERO, DVec3::X, DVec3::Z).unwrap();
+        let floor = Rectangle::new(-DVec3::X - DVec3::Z, DVec3::X * 2.0, DVec3::Z * 2.0).unwrap();
         let on = DVec3::new(0.3, 0.0, 7.0);
         let has_on_one_side = |points: &[DVec3]| floor.has_on_one_side(points, &[]);
         assert!(has_on_one_side(&[]));

@@ -211,21 +211,18 @@ impl Scene {
     /// The text of the scene file at `path`.
     fn text(path: &Path) -> SceneResult<String> {
         let name = path.display().to_string();
-        let mistake = |message: String, help: &str| {
-            SceneError::new(&name, "", None, message, Some(help.to_owned()))
-        };
-        let unreadable = |message| mistake(message, "give the path of a scene file");
+        let help = "give the path of a scene file; `volref render` shows a volume as it is";
+        let mistake = |message| SceneError::new(&name, "", None, message, Some(help.to_owned()));
         // A description of bare samples ends in .toml, as scenes do.
         let is_toml = path
             .extension()
             .is_some_and(|extension| extension.eq_ignore_ascii_case("toml"));
         if !is_toml && volume_format(path).is_some() {
-            let help = "`volref render` shows it as it is; a scene names it as `file` in [classified.volume]";
-            return Err(mistake("this is a volume, not a scene".to_owned(), help));
+            return Err(mistake("this is a volume, not a scene".to_owned()));
         }
         let bytes = regular_file::read(path, MOST_BYTES)
-            .map_err(|error| unreadable(format!("cannot read the scene: {error}")))?;
-        String::from_utf8(bytes).map_err(|_| unreadable("the scene is not UTF-8 text".into()))
+            .map_err(|error| mistake(format!("cannot read the scene: {error}")))?;
+        String::from_utf8(bytes).map_err(|_| mistake("the scene is not UTF-8 text".into()))
     }
 
     /// Reads a scene from `text`; `path` names it in messages, and paths in the scene are relative

@@ -386,11 +386,11 @@ mod tests {
             ),
             (
                 "<vector name='scale' value='1'/>",
-                "3:29: `scale` must be three numbers, not 1",
+                "3:29: `scale` must be three numbers, such as [0, 1, 0]",
             ),
             (
                 "<color name='sigma_a' value='1,2'/>",
-                "3:30: `sigma_a` must be three numbers, not 2",
+                "3:30: `sigma_a` must be a colour: three numbers red, green, blue, such as [1, 0.5, 0], one for all three, or sRGB such as '#ff8000'",
             ),
             (
                 "<float name='gain' value='0.5f'/>",
@@ -478,15 +478,21 @@ mod tests {
     #[test]
     fn there_is_one_medium_and_it_does_something() {
         for (text, message) in [
-            ("<scene/>", "1:1: there is no procedural medium"),
-            ("<medium/>", "1:1: there is no procedural medium"),
+            (
+                "<scene/>",
+                "1:1: there is not exactly one procedural medium",
+            ),
+            (
+                "<medium/>",
+                "1:1: there is not exactly one procedural medium",
+            ),
         ] {
             assert_eq!(fault(text), format!("medium.xml:{message}"));
         }
         let two = format!("<scene>\n{}\n{}</scene>", SOURCE, SOURCE);
         assert_eq!(
             fault(&two),
-            "medium.xml:10:1: this is a second procedural medium"
+            "medium.xml:10:1: there is not exactly one procedural medium"
         );
         let overflow = SOURCE.replace("\"4 4 4\"", "\"1e308\"");
         assert!(fault(&overflow).starts_with("medium.xml:4:35: a density of up to 4e0"));
@@ -552,7 +558,7 @@ mod tests {
         // Threads of tests have 2 MB of it.
         let levels = MOST_BYTES / 8;
         let deep = format!("{}{}", "<a>".repeat(levels), "</a>".repeat(levels));
-        assert!(fault(&deep).contains("there is no procedural medium"));
+        assert!(fault(&deep).contains("there is not exactly one procedural medium"));
         let deep = block(&format!(
             "<float name='gain' value='1'>{}",
             &deep[8192..deep.len() - 10_924]

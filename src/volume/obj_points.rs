@@ -125,7 +125,7 @@ mod tests {
         assert_eq!(read_obj_points(latin_1).unwrap().len(), 1);
         assert_eq!(
             message(b"v 1 2 3\nv 1 2\xb5 3"),
-            "2:5: y is \"2\u{fffd}\", which is not a number: write it like 0.5 or 5e-1"
+            "2:5: y is \"2\u{fffd}\", which is no finite number: write it like 0.5 or 5e-1"
         );
     }
 
@@ -182,15 +182,24 @@ mod tests {
     #[test]
     fn bad_numbers_name_their_place() {
         for (text, expected) in [
-            ("v 1 2,5 3", "1:5: y is \"2,5\", which is not a number"),
-            ("\nv 1 2 z", "2:7: z is \"z\", which is not a number"),
-            ("v 1 \\\n 0x1 3", "2:2: y is \"0x1\", which is not a number"),
-            ("v nan 2 3", "1:3: x is \"nan\", which is not finite"),
-            ("v 1 2 -inf", "1:7: z is \"-inf\", which is not finite"),
-            ("v 1 2 1e999", "1:7: z is \"1e999\", which is not finite"),
+            ("v 1 2,5 3", "1:5: y is \"2,5\", which is no finite number"),
+            ("\nv 1 2 z", "2:7: z is \"z\", which is no finite number"),
+            (
+                "v 1 \\\n 0x1 3",
+                "2:2: y is \"0x1\", which is no finite number",
+            ),
+            ("v nan 2 3", "1:3: x is \"nan\", which is no finite number"),
+            (
+                "v 1 2 -inf",
+                "1:7: z is \"-inf\", which is no finite number",
+            ),
+            (
+                "v 1 2 1e999",
+                "1:7: z is \"1e999\", which is no finite number",
+            ),
             (
                 "v 1 2 3 NaN",
-                "1:9: the density is \"NaN\", which is not finite",
+                "1:9: the density is \"NaN\", which is no finite number",
             ),
             (
                 "v 1 2 3 -0.5",
@@ -198,7 +207,7 @@ mod tests {
             ),
             (
                 "v 1 2 3 0 x 0",
-                "1:11: green is \"x\", which is not a number",
+                "1:11: green is \"x\", which is no finite number",
             ),
         ] {
             let message = message(text.as_bytes());

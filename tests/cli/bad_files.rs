@@ -150,7 +150,7 @@ fn meshes() {
         ),
         (
             b"v 0 0 0\nv 0,5 0 0\n",
-            "mesh.obj:2:3: x is \"0,5\", which is not a number: write it like 0.5",
+            "mesh.obj:2:3: x is \"0,5\", which is no finite number: write it like 0.5",
         ),
         (
             b"v 0 0 0\nv 1 0 0\nf 1 2 3\n",
@@ -166,7 +166,7 @@ fn meshes() {
         ),
         (
             CUBE.strip_suffix("f 2 4 8 6\n").unwrap().as_bytes(),
-            "mesh.obj: the edge from [1, 1, 0] to [1, 0, 0] belongs to one face, the face in line 9 among them",
+            "mesh.obj: the edge from [1, 1, 0] to [1, 0, 0] belongs to the face in line 9, and a closed boundary",
         ),
     ] {
         let folder = with_mesh(mesh);

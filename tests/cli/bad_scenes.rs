@@ -120,10 +120,10 @@ fn cameras_by_a_matrix() {
     scene.toml:14:16: [camera] mixes `matrix` with `vertical_fov` help: give either `matrix`, or `eye`, `target`, `up`, `vertical_fov`, `orthographic_height`, `azimuth`, `elevation`, `zoom`
     scene.toml:9:10: [camera] gives `matrix` without `fl_x` help: give `fl_x` too: Focal length in widths of a pixel: the ray of pixel (i, j) is ((i + 1/2 - cx)/fl_x, -(j + 1/2 - cy)/fl_y, -1) in the camera.
     scene.toml:11:8: `fl_y` must lie in [0.001, 1000000000], got 0 help: `camera.fl_y`: Focal length in heights of a pixel.
-    scene.toml:9:10: the first three columns of `matrix` are no right-handed axes of length 1, perpendicular to each other help: give the map from the camera to the world, row by row, with four decimals or more and without a scale: divide columns by their lengths, invert a map from the world to the camera, and of a camera of OpenCV negate the second and third column
-    scene.toml:9:10: the first three columns of `matrix` are no right-handed axes of length 1, perpendicular to each other help: give the map from the camera to the world, row by row, with four decimals or more and without a scale: divide columns by their lengths, invert a map from the world to the camera, and of a camera of OpenCV negate the second and third column
-    scene.toml:9:10: the last row of `matrix` is [0.0, 0.0, 5.0, 1.0], and must be [0, 0, 0, 1] help: give the map from the camera to the world, row by row, with four decimals or more and without a scale: divide columns by their lengths, invert a map from the world to the camera, and of a camera of OpenCV negate the second and third column
-    scene.toml:9:10: `matrix` must be four rows of four numbers, such as [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 5], [0, 0, 0, 1]] help: `camera.matrix`: Map of the camera into the world, four rows, in place of `eye`, `target`, `up` and `vertical_fov`. Its columns are the directions right and up in the image and backward, of length 1, and the eye: the axes of OpenGL and of `transforms.json`.
+    scene.toml:9:10: the first three columns of `matrix` are no right-handed axes of length 1, perpendicular to each other, or its last row is not [0, 0, 0, 1] help: give the map from the camera to the world, row by row, with four decimals or more and without a scale: divide columns by their lengths, invert a map from the world to the camera, and of a camera of OpenCV negate the second and third column
+    scene.toml:9:10: the first three columns of `matrix` are no right-handed axes of length 1, perpendicular to each other, or its last row is not [0, 0, 0, 1] help: give the map from the camera to the world, row by row, with four decimals or more and without a scale: divide columns by their lengths, invert a map from the world to the camera, and of a camera of OpenCV negate the second and third column
+    scene.toml:9:10: the first three columns of `matrix` are no right-handed axes of length 1, perpendicular to each other, or its last row is not [0, 0, 0, 1] help: give the map from the camera to the world, row by row, with four decimals or more and without a scale: divide columns by their lengths, invert a map from the world to the camera, and of a camera of OpenCV negate the second and third column
+    scene.toml:9:10: `matrix` must be 4 rows of four numbers, such as [[1, 0, 0, 0], [0, 1, 0, 0], …] help: `camera.matrix`: Map of the camera into the world, four rows, in place of `eye`, `target`, `up` and `vertical_fov`. Its columns are the directions right and up in the image and backward, of length 1, and the eye: the axes of OpenGL and of `transforms.json`.
     ");
 }
 
@@ -249,7 +249,7 @@ fn wrong_types() {
     scene.toml:9:17: `interpolation` must be one of "trilinear", "nearest", not an integer help: `classified.interpolation`: Interpolation of densities and gradients between nodes.
     scene.toml:9:17: `interpolation` must be one of "trilinear", "nearest", but is "cubic" help: `classified.interpolation`: Interpolation of densities and gradients between nodes.
     scene.toml:9:14: `background` must be a colour: three numbers red, green, blue, such as [1, 0.5, 0], one for all three, or sRGB such as '#ff8000', not a boolean help: `classified.background`: Linear radiance behind the volume.
-    scene.toml:9:14: `background` must be three numbers, not 2 help: `classified.background`: Linear radiance behind the volume.
+    scene.toml:9:14: `background` must be a colour: three numbers red, green, blue, such as [1, 0.5, 0], one for all three, or sRGB such as '#ff8000' help: `classified.background`: Linear radiance behind the volume.
     scene.toml:9:14: `background` must be a colour: three numbers red, green, blue, such as [1, 0.5, 0], one for all three, or sRGB such as '#ff8000', not a string help: `classified.background`: Linear radiance behind the volume.
     scene.toml:9:16: `vertical_fov` must be a number, not a string help: `camera.vertical_fov`: Full angle between the top and bottom edge of the image, degrees.
     scene.toml:11:8: `file` must be text in quotes, not an integer help: `classified.volume.file`: Point cloud or grid, in a format that `volref info --help` lists, relative to the folder of the scene.
@@ -738,8 +738,8 @@ fn a_file_of_panels() {
 #[test]
 fn impossible_placements() {
     for row in "\
-14 | transform = [[1, 0, 0, 0], [0, 1, 0, 0]] | `transform` must be three rows of four numbers … help
-14 | transform = [[1, 0, 0], [0, 1, 0], [0, 0, 1]] | `transform` must be three rows of four numbers … help
+14 | transform = [[1, 0, 0, 0], [0, 1, 0, 0]] | `transform` must be 3 rows of four numbers … help
+14 | transform = [[1, 0, 0], [0, 1, 0], [0, 0, 1]] | `transform` must be 3 rows of four numbers … help
 14 | transform = [[nan, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0]] | `transform` must be finite, got nan … help
 14 | transform = [[1, 2, 3, 0], [2, 4, 6, 0], [0, 0, 1, 0]] | maps space onto a plane … three independent columns
 14 | transform = [[1e-9, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0]] | a condition beyond 1e8 … stretch and shear less
@@ -823,15 +823,15 @@ fn volumes_surfaces_and_clips() {
     broken.toml:12:1: [classified.clip[0]] has no shape help: give one of `normal`, `box`
     broken.toml:12:1: [classified.clip[0]] has no shape help: give one of `normal`, `box`
     broken.toml:13:15: the box's min [1, 1, 1] must not exceed its max [0, 2, 2] on any axis; swap them where it does help: `classified.clip[0].box.min`: The corner with the smallest coordinates, world units.
-    broken.toml:15:11: there is no volume named "fogg" help: volumes have a `name`; the named ones are: cloud, fog
+    broken.toml:15:11: there is no volume whose `name` is "fogg" help: `classified.clip[0].volumes`: Names of the volumes that are cut. If left out, all are.
     broken.toml:12:1: a clip leaves nothing of a volume help: remove the volume, or turn a normal around: a clip keeps the side to which its normal points, or the inside of its box
     broken.toml:12:1: [classified.surface[0]] has no shape help: give one of `rectangle`, `sphere`, `box`, `mesh`
     broken.toml:12:1: missing key `colour` in [classified.surface[0]] help: `classified.surface[0].colour`: Linear radiance of the material before shading.
     broken.toml:13:10: `colour` must be finite and at least 0 in every channel, got [-1, -1, -1] help: `classified.surface[0].colour`: Linear radiance of the material before shading.
     broken.toml:12:1: several volumes follow conventions where they are sampled by common steps, without shadow and modulation help: add `volume_steps = "common"`, or leave the table out
-    broken.toml:6:15: with several volumes, surfaces or clips samples are composited front to back help: leave `compositing` out: the order changes no more than rounding
-    broken.toml:6:21: with several volumes, surfaces or clips no ray is ended early help: leave the key out
-    broken.toml:6:8: with several volumes, surfaces or clips samples are composited help: leave `mode` out, or what stands beside the volume, or modulates it; clips may stay
+    broken.toml:6:15: with several volumes, surfaces, clips or modulation samples are composited front to back help: leave `compositing` out: the order changes no more than rounding
+    broken.toml:6:21: with several volumes, surfaces, clips or modulation no ray is ended early help: leave the key out
+    broken.toml:6:8: with several volumes, surfaces, clips or modulation samples are composited help: leave `mode` out, or what stands beside the volume, or modulates it; clips may stay
     broken.toml:11:8: another volume has this name, too help: give each volume a name of its own
     broken.toml:12:8: a step of 1e-30 world units means up to 4.9e30 samples on a ray; at most 1e8 are accepted help: `classified.volume[1].step`: Distance between samples of this volume, in place of the scene's: world units or voxels of its own.
     broken.toml:1:1: missing table [classified.volume] help: `classified.volume`: The densities; in double brackets those of several volumes, at most 64, each with a look of its own.

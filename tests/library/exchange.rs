@@ -1052,6 +1052,7 @@ fn parallel(body: &str, format: Format) -> Result<Export, Refusal> {
         &Scene::parse(&text, Path::new("scene.toml")).unwrap(),
         format,
         "scene",
+        None,
     )
 }
 

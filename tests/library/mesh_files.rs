@@ -97,8 +97,8 @@ fn what_is_refused_says_where() {
     for line in r#"
 △f 1 2 4 | 4:7: this face refers to vertex 4, but the file has 3
 △f 1 2 9/4 3⏎f 8 1 2 | 4:7: this face refers to vertex 9, but the file has 3
-△f -1 -2 -4 | 4:9: this face refers to the vertex 4 lines back, but there are 3
-△f 0 1 2 | 4:3: vertex 0 is none: they are counted from 1
+△f -1 -2 -4 | 4:9: this face refers to vertex -4, and 3 stand before it
+△f 0 1 2 | 4:3: this face refers to vertex 0, and 3 stand before it, counted from 1
 △f 1 2 x | 4:7: "x" is not a corner of a face
 △f 1 2 3.0 | 4:7: "3.0" is not a corner
 △f 1 2 3/1/1/1 | 4:7: "3/1/1/1" is not a corner
@@ -108,7 +108,7 @@ fn what_is_refused_says_where() {
 △f 1 -9223372036854775808 2 | 4:5: this face refers to the vertex
 △⏎f 1 2 | 5:1: a face has three corners or more, this one has 2
 △f | 4:1: a face has three corners or more, this one has 0
-v 0 0 0⏎v 1 1,5 0 | 2:5: y is "1,5", which is not a number: write it like 0.5
+v 0 0 0⏎v 1 1,5 0 | 2:5: y is "1,5", which is no finite number: write it like 0.5
 v 0 0 \⏎ nan | 2:2: z is "nan", which is not finite
 v 1 2 | 1:1: a `v` line of a mesh has 3 numbers (x y z)
 v 1 2 3 0.5 | 1:9: w is 0.5, and a vertex of a mesh has no weight
@@ -121,9 +121,9 @@ call other.obj | 1:1: "call" is not a keyword of the OBJ format
  | the mesh has no faces
 △deg 3⏎curv 0 1 1 2 3⏎end | the mesh has no faces: export it as polygons
 △v 2 0 0⏎⏎f 1 2 3⏎f 1 2 4 | the face in line 7 has no area: its corners [0, 0, 0], [1, 0, 0] and [2, 0, 0]
-△v 1 1 0⏎f 1 2 3 4 | 5:1: this polygon has no area, or crosses itself
+△v 1 1 0⏎f 1 2 3 4 | 5:1: no fan of triangles from one corner covers this polygon, or it has no area
 △v 2 3 0⏎f 1 2 3 4 | 5:1: no fan of triangles from one corner covers this polygon, or it crosses itself: triangulate
-△v 2 0 0⏎v 3 0 0⏎f 1 2 4 5 | 6:1: this polygon has no area, or crosses itself
+△v 2 0 0⏎v 3 0 0⏎f 1 2 4 5 | 6:1: no fan of triangles from one corner covers this polygon, or it has no area
 "#
     .lines()
     .skip(1)
@@ -158,7 +158,7 @@ call other.obj | 1:1: "call" is not a keyword of the OBJ format
         .unwrap_err()
         .to_string();
     assert!(
-        error.contains("belongs to one face, the face in line 9 among them"),
+        error.contains("belongs to the face in line 9, and a closed boundary"),
         "{error}"
     );
 }
@@ -211,7 +211,10 @@ fn vertices_that_almost_coincide() {
     };
     soup(0.0).unwrap();
     let error = soup(1e-9).unwrap_err().to_string();
-    assert!(error.contains(" belongs to one face, "), "{error}");
+    assert!(
+        error.contains(", and a closed boundary has two faces at each"),
+        "{error}"
+    );
     assert!(error.contains("merge vertices by distance"), "{error}");
 }
 

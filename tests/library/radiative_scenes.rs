@@ -416,7 +416,7 @@ fn coefficients() {
     13:11: `sigma_a` must be finite and at least 0 in every channel, got [-0.5, -0.5, -0.5]
     13:11: `sigma_a` must be finite, got inf
     14:11: `sigma_s` must be finite, got nan
-    14:11: `sigma_s` must be three numbers, not 2
+    14:11: `sigma_s` must be a colour: three numbers red, green, blue, such as [1, 0.5, 0], one for all three, or sRGB such as '#ff8000'
     13:11: the coefficients are too large: sigma_t must be finite and not negative in every channel, got [inf, inf, inf] help: give smaller coefficients, or choose another unit of length
     14:10: `albedo` must lie in [0, 1] in every channel, got [1.2, 1.2, 1.2]
     14:10: `albedo` must lie in [0, 1] in every channel, got [0, -0.5, 0]
@@ -627,7 +627,7 @@ fn densities_that_are_none() {
     13:23: there is no file none.xml
     13:14: [radiative.medium[0].procedural] has no source help: give one of `file`, `text`
     13:1: the medium has a density but no coefficients, so it has no effect on light help: give it `sigma_a`, `sigma_s` or `emission`, as they are where the density is 1
-    2:32: `sigma_a` must be three numbers, not 2
+    2:32: `sigma_a` must be a colour: three numbers red, green, blue, such as [1, 0.5, 0], one for all three, or sRGB such as '#ff8000'
     ");
 }
 
@@ -686,7 +686,7 @@ fn shapes() {
     9:8: [radiative.surface[0]] has more than one shape: `sphere`, `mesh` help: keep exactly one of `sphere`, `mesh`
     8:41: `radius` must be finite and above 0, got 0
     8:41: `radius` must be finite and above 0, got -1
-    8:41: a sphere of radius 0.00000000000000000001 vanishes at [1, 0, 0]: coordinates there are too coarse; move the scene nearer to the origin
+    8:41: the radius of a sphere must be positive, finite, and not vanish beside its coordinates, got 0.00000000000000000001 at [1, 0, 0]
     8:32: unknown key `raduis` in [radiative.surface[0].sphere] help: did you mean `radius`?
     8:64: a rectangle with edges [1, 0, 0] and [2, 0, 0] has no area; give two edges that are not parallel
     8:15: the box's min [0, 2, 0] must not exceed its max [1, 1, 1] on any axis; swap them where it does
@@ -694,7 +694,7 @@ fn shapes() {
     8:17: folder.obj cannot be read: this is a directory, not a file
     8:17: points.obj: the mesh has no faces: export it as polygons; a file of bare points is a point cloud
     8:17: thin.obj: the face in line 6 has no area: its corners [0, 0, 0], [1, 0, 0] and [2, 0, 0] lie on a line; remove it
-    12:17: open.obj: the edge from [0, 1, 0] to [1, 0, 0] belongs to one face, the face in line 5 among them, and a closed boundary has two at each: fill the hole, or merge vertices by distance, for instance in Blender or MeshLab
+    12:17: open.obj: the edge from [0, 1, 0] to [1, 0, 0] belongs to the face in line 5, and a closed boundary has two faces at each, which run along it in opposite directions: fill the hole, merge vertices by distance, or reverse the corners of a face, for instance in Blender or MeshLab
     12:17: thin.obj: the face in line 6 has no area: its corners [0, 0, 0], [1, 0, 0] and [2, 0, 0] lie on a line; remove it
     12:7: the box is flat: it has no inside, as a medium needs help: give `max` larger coordinates than `min` on every axis; a flat surface is a `rectangle`
     13:10: [radiative.medium[0]] has more than one shape: `sphere`, `box` help: keep at most one of `sphere`, `box`
@@ -776,7 +776,7 @@ fn lights() {
     ]), @r"
     16:1: [radiative.light[0]] has no kind of light help: give one of `point`, `spot`, `directional`
     17:45: `intensity` must be finite and at least 0 in every channel, got [-1, -1, -1]
-    17:22: `position` must be three numbers, not 2
+    17:22: `position` must be three numbers, such as [0, 1, 0]
     18:15: [radiative.light[0]] has more than one kind of light: `point`, `directional` help: keep exactly one of `point`, `directional`
     17:41: the spotlight has no direction: its target is its position
     17:98: a spotlight needs 0 <= inner_angle <= outer_angle <= 180 degrees and an outer_angle above 0, got 3 and 2
@@ -825,11 +825,11 @@ fn parts_that_make_no_picture_together() {
     }
     insta::assert_snapshot!(all, @r"
     6:15: a medium fills all space, and no light arrives from infinitely far away, as of `environment` help: give the medium a boundary: a `sphere`, `box` or closed `mesh`; or light the scene from within, by emitting surfaces, points or spots
-    13:12: a medium that fills all space and emits without absorbing is infinitely bright help: give the medium a boundary: a `sphere`, `box` or closed `mesh`; or give it some absorption in every channel that it emits or scatters in, or limit `radiative.max_bounces`
-    13:12: a medium that fills all space and emits without absorbing is infinitely bright help: give the medium a boundary: a `sphere`, `box` or closed `mesh`; or give it some absorption in every channel that it emits or scatters in, or limit `radiative.max_bounces`
-    13:11: a medium that fills all space and scatters without absorbing scatters light for ever help: give the medium a boundary: a `sphere`, `box` or closed `mesh`; or give it some absorption in every channel that it emits or scatters in, or limit `radiative.max_bounces`
-    13:11: a medium that fills all space and scatters without absorbing scatters light for ever help: give the medium a boundary: a `sphere`, `box` or closed `mesh`; or give it some absorption in every channel that it emits or scatters in, or limit `radiative.max_bounces`
-    14:10: a medium that fills all space and scatters without absorbing scatters light for ever help: give the medium a boundary: a `sphere`, `box` or closed `mesh`; or give it some absorption in every channel that it emits or scatters in, or limit `radiative.max_bounces`
+    13:12: a medium that fills all space and emits or scatters without absorbing is infinitely bright help: give the medium a boundary: a `sphere`, `box` or closed `mesh`; or give it some absorption in every channel that it emits or scatters in, or limit `radiative.max_bounces`
+    13:12: a medium that fills all space and emits or scatters without absorbing is infinitely bright help: give the medium a boundary: a `sphere`, `box` or closed `mesh`; or give it some absorption in every channel that it emits or scatters in, or limit `radiative.max_bounces`
+    13:11: a medium that fills all space and emits or scatters without absorbing is infinitely bright help: give the medium a boundary: a `sphere`, `box` or closed `mesh`; or give it some absorption in every channel that it emits or scatters in, or limit `radiative.max_bounces`
+    13:11: a medium that fills all space and emits or scatters without absorbing is infinitely bright help: give the medium a boundary: a `sphere`, `box` or closed `mesh`; or give it some absorption in every channel that it emits or scatters in, or limit `radiative.max_bounces`
+    14:10: a medium that fills all space and emits or scatters without absorbing is infinitely bright help: give the medium a boundary: a `sphere`, `box` or closed `mesh`; or give it some absorption in every channel that it emits or scatters in, or limit `radiative.max_bounces`
     16:15: a medium fills all space, and no light arrives from infinitely far away, as of `directional` help: give the medium a boundary: a `sphere`, `box` or closed `mesh`; or light the scene from within, by emitting surfaces, points or spots
     16:1: camera paths cannot sample light from a point, spot or directional light that arrives by way of a mirror or glass help: use a small or far emitting surface, or the environment, in place of the light; or a diffuse surface
     16:1: camera paths cannot sample light from a point, spot or directional light that arrives by way of a mirror or glass help: use a small or far emitting surface, or the environment, in place of the light; or a diffuse surface
@@ -952,10 +952,10 @@ fn what_belongs_to_other_models() {
     2:8: `seed` must lie in [0, 9223372036854775807], got -1
     2:1: unknown key `spp` in [sampling] help: allowed keys in [sampling]: samples, seed
     7:1: the file has more than one model: [classified], [radiative] help: keep exactly one of [classified], [radiative]
-    1:1: missing key `eye` in [camera] help: a radiative scene has no default camera: give `eye`, its position, and `target`, the point it looks at, or a `matrix`
-    1:1: missing key `target` in [camera] help: a radiative scene has no default camera: give `eye`, its position, and `target`, the point it looks at, or a `matrix`
+    1:1: missing key `eye` in [camera] help: `camera.eye`: Position of the camera, world units; required in a radiative scene.
+    1:1: missing key `target` in [camera] help: `camera.target`: The point in the middle of the image, world units; required in a radiative scene.
     2:7: the camera is at its target, so it has no direction
-    2:1: a radiative scene needs a camera help: give [camera] with `eye`, its position, and `target`, the point it looks at, or a `matrix`
+    1:1: missing key `eye` in [camera] help: `camera.eye`: Position of the camera, world units; required in a radiative scene.
     6:1: unknown key `scatering` in [radiative] help: did you mean `scattering`?
     16:13: unknown key `lights` in [radiative] help: did you mean `light`?
     "#);

@@ -148,12 +148,12 @@ pub(super) const MISTAKES: &[Mistake] = mistakes! {
         // Wider than that there is no image.
         let angle = (2.0 * scene.camera.vertical_fov()).min(3.0);
         scene.camera = scene.camera.with_vertical_fov(angle);
-        !scene.camera.is_orthographic()
+        !scene.camera.is_orthographic
     }),
         "the field of view is about twice as wide as it should be: vertical_fov is the full angle from the top to the bottom edge, so the image plane ends at tan(fov / 2)";
-    "perspective-for-parallel" => Classified(|scene| scene.camera.is_orthographic() && projected_otherwise(scene)),
+    "perspective-for-parallel" => Classified(|scene| scene.camera.is_orthographic && projected_otherwise(scene)),
         "rays come together in the eye where the scene asks for parallel ones: orthographic_height is the height of the image, world units, and rays begin in the plane of the eye";
-    "parallel-for-perspective" => Classified(|scene| !scene.camera.is_orthographic() && projected_otherwise(scene)),
+    "parallel-for-perspective" => Classified(|scene| !scene.camera.is_orthographic && projected_otherwise(scene)),
         "rays are parallel where the scene asks for rays from the eye: what is nearer is larger, by the angle vertical_fov";
 };
 

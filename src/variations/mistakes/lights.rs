@@ -61,13 +61,13 @@ pub(super) const MISTAKES: &[Mistake] = mistakes! {
         // The angle whose half is the full one; wider than that there is no image.
         let angle = (2.0 * scene.camera.vertical_fov()).min(0.9 * PI);
         scene.camera = scene.camera.with_vertical_fov(angle);
-        !scene.camera.is_orthographic()
+        !scene.camera.is_orthographic
     }),
         "the field of view is about twice as wide as it should be: vertical_fov is the full angle from the top to the bottom edge, so the image plane ends at tan(fov / 2)";
     "field-of-view-halved" => Radiative(|scene| {
         let angle = 0.5 * scene.camera.vertical_fov();
         scene.camera = scene.camera.with_vertical_fov(angle);
-        !scene.camera.is_orthographic()
+        !scene.camera.is_orthographic
     }),
         "the field of view is about half of what it should be: vertical_fov is in degrees, the full angle from the top to the bottom edge";
     "half-a-pixel-right" => View(|camera, pixel| moved(camera, pixel, [0.5, 0.0])),

@@ -81,9 +81,12 @@ fn mixed_phases_under_two_kinds_of_sky() {
     let half = DVec3::new(0.0, 9.0, 0.0);
     let media = vec![within(cube(), grey(1.5, 0.8, 0.7)), within(cube(), blue)];
     // Half a sky: everything is the same from all sides of a whole one.
-    let floor =
-        volref::geometry::Rectangle::centred(DVec3::NEG_Y * 2.0, DVec3::X * 1e5, DVec3::Z * 1e5)
-            .unwrap();
+    let floor = volref::geometry::Rectangle::new(
+        DVec3::new(-1e5, -2.0, -1e5),
+        DVec3::X * 2e5,
+        DVec3::Z * 2e5,
+    )
+    .unwrap();
     let floor = object(volref::geometry::Shape::Rectangle(floor), black());
     let met = Radiative {
         objects: vec![floor.clone()],

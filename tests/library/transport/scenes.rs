@@ -188,7 +188,12 @@ pub fn black() -> Material {
 /// A rectangle perpendicular to the z axis that reaches so far from it on all sides.
 pub fn plane(height: f64, reach: f64) -> Rectangle {
     let centre = DVec3::new(0.0, 0.0, height);
-    Rectangle::centred(centre, DVec3::X * reach, DVec3::Y * reach).unwrap()
+    Rectangle::new(
+        centre - (DVec3::X + DVec3::Y) * reach,
+        DVec3::X * (2.0 * reach),
+        DVec3::Y * (2.0 * reach),
+    )
+    .unwrap()
 }
 
 /// Where a slab leaves off, in thicknesses. Light that flies farther than that inside it must be

@@ -59,7 +59,7 @@ fn airlight(entry: &Entry) -> (Radiative, Ray) {
     let ray = ray(DVec3::ZERO, entry.vector("direction"));
     let plate = entry.given("t_max").map(|end| {
         let Frame { x, y, .. } = Frame::around(ray.direction);
-        let plate = Rectangle::centred(ray.at(end), x * 1e-3, y * 1e-3).unwrap();
+        let plate = Rectangle::new(ray.at(end) - (*x + *y) * 1e-3, x * 2e-3, y * 2e-3).unwrap();
         object(Shape::Rectangle(plate), black())
     });
     let scene = Radiative {

@@ -217,7 +217,12 @@ fn g11_leaving_a_surface() {
             margin.exact(what("self-hits"), self_hits, 0);
             margin.exact(what("leaks"), leaks, 0);
         }
-        let floor = Rectangle::centred(centre, DVec3::X * scale, DVec3::Z * scale).expect("edges");
+        let floor = Rectangle::new(
+            centre - (DVec3::X + DVec3::Z) * scale,
+            DVec3::X * (2.0 * scale),
+            DVec3::Z * (2.0 * scale),
+        )
+        .expect("edges");
         let lamp = centre + DVec3::new(0.3, 0.5, -0.4) * scale;
         let shadowed = numbers(112, 2000).filter(|&[u, v, _]| {
             let towards = floor.sample([u, v]).towards_point(lamp);

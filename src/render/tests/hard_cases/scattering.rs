@@ -199,7 +199,11 @@ fn s6_conservative_thick_slab() {
     // one sky or the other is what is reflected or let through, of the same path.
     let dark = |height: f64| {
         let reach = 2.0 * REACH;
-        let plane = Rectangle::centred(DVec3::Z * height, DVec3::X * reach, DVec3::Y * reach);
+        let plane = Rectangle::new(
+            DVec3::new(-reach, -reach, height),
+            DVec3::X * (2.0 * reach),
+            DVec3::Y * (2.0 * reach),
+        );
         let mut scene = slab(50.0, 1.0);
         scene.objects.push(Object {
             shape: Shape::Rectangle(plane.expect("edges")),
