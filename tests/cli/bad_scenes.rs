@@ -837,8 +837,8 @@ fn volumes_surfaces_and_clips() {
     broken.toml:1:1: missing table [classified.volume] help: `classified.volume`: The densities; in double brackets those of several volumes, at most 64, each with a look of its own.
     broken.toml:2:10: `volume` is empty help: `classified.volume`: The densities; in double brackets those of several volumes, at most 64, each with a look of its own.
     broken.toml:2:10: `volume` must be a table, or tables in double brackets, [[…]], not an integer help: `classified.volume`: The densities; in double brackets those of several volumes, at most 64, each with a look of its own.
-    mitsuba cannot represent classified: a classified volume: media have coefficients, and no transfer function; export the scene to `bundle`, or its grid alone to `raw`, `nrrd` or `npy` help: nothing was written
-    pbrt cannot represent classified: a classified volume: media have coefficients, and no transfer function; export the scene to `bundle`, or its grid alone to `raw`, `nrrd` or `npy` help: nothing was written
+    mitsuba cannot represent classified: a classified volume: media have coefficients, and no transfer function; export the scene to `bundle`, or its grid alone to `raw`, `nrrd` or `npy` help: nothing was written; remove these features from the scene or replace them
+    pbrt cannot represent classified: a classified volume: media have coefficients, and no transfer function; export the scene to `bundle`, or its grid alone to `raw`, `nrrd` or `npy` help: nothing was written; remove these features from the scene or replace them
     this scene has no parameter "opacity"; it has density.1, step.1, grid.x.1, grid.y.1, grid.z.1, turn.x.1, size.x.1, turn.y.1, size.y.1, turn.z.1, size.z.1, density.2, step.2, grid.x.2, grid.y.2, grid.z.2, turn.x.2, size.x.2, turn.y.2, size.y.2, turn.z.2, size.z.2, camera.view, camera.right, camera.down, camera.x, camera.y, camera.z
     "#);
 }

@@ -900,10 +900,10 @@ fn sequences_of_steps_are_judged_by_their_limit() {
     for (files, said) in [
         (
             &[sequence[0], sequence[2]][..],
-            "there is no limit/cloud@0.5",
+            "but no limit/cloud@0.5",
         ),
-        (&sequence[..2], "there is no limit/cloud@0.25"),
-        (&sequence[1..], "there is no limit/cloud:"),
+        (&sequence[..2], "but no limit/cloud@0.25"),
+        (&sequence[1..], "but no limit/cloud:"),
     ] {
         let (gap, code) = outputs(files);
         assert_eq!((gap["verdict"].as_str(), code), (Some("error"), 4), "{gap}");
