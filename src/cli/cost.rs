@@ -32,7 +32,8 @@ pub struct Arguments {
     /// Seed of the random numbers
     #[arg(long, value_name = "N", default_value_t = 0)]
     seed: u64,
-    /// Write an offline HTML page, DIR/index.html, and its plots of error against work as SVG
+    /// Write an offline HTML page, DIR/index.html, with its tables as CSV and its plots of error
+    /// against work and time as SVG
     #[arg(long, value_name = "DIR")]
     report: Option<PathBuf>,
     #[command(flatten)]
@@ -78,6 +79,8 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     if let Some(folder) = &arguments.report {
         let page = report::cost_html(&command_line(), &costs, machine.as_ref());
         let mut files = vec![("index.html".to_owned(), page)];
+        let tables = report::cost_csv(&costs).into_iter();
+        files.extend(tables.map(|(name, text)| (name.to_owned(), text)));
         files.extend(pictures(&costs));
         let paths: Vec<PathBuf> = files.iter().map(|(name, _)| folder.join(name)).collect();
         let mut outputs = vec![arguments.json.file()];

@@ -1,4 +1,4 @@
-//! Results to text, JSON, JUnit and HTML. Nothing here reads, writes or prints.
+//! Results to text, JSON, CSV, JUnit and HTML. Nothing here reads, writes or prints.
 
 mod cost;
 mod gallery;
@@ -10,7 +10,7 @@ mod template;
 mod terminal;
 
 pub(crate) use cost::wrapped;
-pub use cost::{cost_html, cost_json, cost_plot, cost_text};
+pub use cost::{cost_csv, cost_html, cost_json, cost_plot, cost_text};
 pub(crate) use gallery::{GalleryAbout, GalleryRenderer, GalleryRow, gallery_html, gallery_row};
 pub use html::{Page, results_html};
 pub(crate) use json::results_json;

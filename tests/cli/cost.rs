@@ -72,13 +72,15 @@ fn forget_times(value: &mut Value) {
 }
 
 #[test]
-fn a_page_and_a_plot() {
+fn tables_and_a_page() {
     let folder = folder();
     let run = folder.volref("cost cloud.scene.toml --runs 2 --report out/page");
     run.prints(0, "for an error of 0.1 %: ");
     let page = folder.text("out/page/index.html");
     assert!(page.contains("<svg"), "plots");
     let names: Vec<String> = folder.files().into_keys().collect();
+    let tables = names.iter().filter(|name| name.ends_with(".csv"));
+    assert_eq!(tables.count(), 2, "{names:?}");
     assert!(
         names.contains(&"out/page/cloud.scene.svg".to_owned()),
         "{names:?}"

@@ -1,4 +1,4 @@
-//! The cost of accuracy: for a terminal, for programs, and as one offline page.
+//! The cost of accuracy: for a terminal, for spreadsheets, for programs, and as one offline page.
 
 mod plot;
 mod table;
@@ -8,8 +8,8 @@ pub use plot::plot as cost_plot;
 pub(crate) use words::wrapped;
 
 use super::template::{Template, rendered};
-use crate::cost::Cost;
 use crate::cost::timing::Machine;
+use crate::cost::{Cost, Event};
 use minijinja::context;
 use serde_json::{Value, json};
 
@@ -87,4 +87,65 @@ pub fn cost_html(command: &str, costs: &[Cost], machine: Option<&Machine>) -> St
             machine => machine.map(words::machine),
         },
     )
+}
+
+/// Columns of the files in their order, each with the place of its values where that is another. Times come last, so that
+/// two runs can be compared without them.
+const OF_SWEEPS: &str = "scene panel sweep=sweep/name parameter=sweep/parameter setting value {work} l2=error/l2 \
+    l2_uncertainty=error/uncertainty local_order fitted_order=sweep/order/fitted \
+    expected_order=sweep/order/expected verdict=sweep/order/verdict reference_bound=sweep/reference/bound {times}";
+const OF_EFFECTS: &str = "scene panel effect {work} times_lookups {times}";
+const TIMES: &str = "runs=time/runs median_seconds=time/median min_seconds=time/min max_seconds=time/max \
+    is_noisy=time/is_noisy";
+
+/// The files `sweeps.csv`, a row for each setting, and `effects.csv`: their names and texts.
+pub fn cost_csv(costs: &[Cost]) -> [(&'static str, String); 2] {
+    let (mut settings, mut effects) = (Vec::new(), Vec::new());
+    for cost in costs {
+        let row = |mut row: Value| {
+            row["scene"] = json!(cost.scene);
+            row["panel"] = json!(cost.panel);
+            row
+        };
+        for sweep in &cost.sweeps {
+            let before = std::iter::once(&None).chain(&sweep.order.local);
+            for (level, local) in sweep.levels.iter().zip(before) {
+                let mut of_level = row(json!(level));
+                of_level["sweep"] = json!(sweep);
+                of_level["local_order"] = json!(local);
+                settings.push(of_level);
+            }
+        }
+        effects.extend(cost.effects.iter().map(|effect| row(json!(effect))));
+    }
+    [
+        ("sweeps.csv", csv(OF_SWEEPS, &settings)),
+        ("effects.csv", csv(OF_EFFECTS, &effects)),
+    ]
+}
+
+/// The `rows` under these columns; numbers have the shortest digits that read back as the same number.
+fn csv(columns: &str, rows: &[Value]) -> String {
+    let work = Event::ALL.map(|event| format!("{0}=work/{0}", event.key()));
+    let columns = columns.replace("{work}", &work.join(" "));
+    let columns = columns.replace("{times}", TIMES);
+    let columns = columns.split_whitespace();
+    let columns: Vec<(&str, &str)> = columns
+        .map(|column| column.split_once('=').unwrap_or((column, column)))
+        .collect();
+    let cell = |row: &Value, place: &str| match row.pointer(&format!("/{place}")) {
+        None | Some(Value::Null) => String::new(),
+        Some(Value::String(text)) => text.clone(),
+        Some(number) => number.to_string(),
+    };
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    let heads = columns.iter().map(|(head, _)| (*head).to_owned()).collect();
+    let cells = |row| columns.iter().map(|(_, place)| cell(row, place)).collect();
+    for line in std::iter::once(heads).chain(rows.iter().map(cells)) {
+        let line: Vec<String> = line;
+        let written = writer.write_record(&line);
+        written.expect("rows have the same columns");
+    }
+    let bytes = writer.into_inner().expect("a vector takes every byte");
+    String::from_utf8(bytes).expect("text was written")
 }

@@ -1,4 +1,4 @@
-//! Cost of accuracy, as text, JSON, plot and page.
+//! Cost of accuracy, as text, CSV, JSON, plot and page.
 
 use roxmltree::{Document, Node};
 use volref::cost::advice::Recommendation;
@@ -8,7 +8,7 @@ use volref::cost::order::{ExpectedOrder, order};
 use volref::cost::timing::{Machine, Times};
 use volref::cost::{Cost, Level, MeanWork, Parameter, Reference, Sweep};
 use volref::render::Event;
-use volref::report::{cost_json, cost_plot, cost_text};
+use volref::report::{cost_csv, cost_json, cost_plot, cost_text};
 
 fn machine() -> Machine {
     Machine {
@@ -148,6 +148,33 @@ fn text_says_what_to_take_then_how_errors_fall_then_what_effects_cost() {
         assert!(line.chars().count() <= 100, "{line}");
         assert_eq!(line.trim_end(), line);
     }
+}
+
+#[test]
+fn csv_has_a_row_for_each_setting_and_each_effect() {
+    let mut cost = sample();
+    cost.scene = "a, \"b\"\nc".to_owned();
+    let [(sweeps, settings), (effects, prices)] = cost_csv(&[cost]);
+    assert_eq!([sweeps, effects], ["sweeps.csv", "effects.csv"]);
+    for (text, rows) in [(&settings, 8), (&prices, 2)] {
+        let mut reader = csv::Reader::from_reader(text.as_bytes());
+        let heads = reader.headers().unwrap().clone();
+        let records: Vec<_> = reader.records().map(Result::unwrap).collect();
+        assert_eq!(records.len(), rows);
+        assert_eq!(&records[0][0], "a, \"b\"\nc");
+        // All times, and nothing but times, are in the last columns.
+        let of_runs = ["runs", "is_noisy"];
+        let is_time = |head: &str| head.contains("seconds") || of_runs.contains(&head);
+        let times: Vec<bool> = heads.iter().map(is_time).collect();
+        assert!(times.is_sorted(), "{heads:?}");
+    }
+    let rows = settings.replace("\"a, \"\"b\"\"\nc\"", "plume");
+    let rows: Vec<&str> = rows.lines().take(3).collect();
+    insta::assert_snapshot!(rows.join("\n"), @"
+    scene,panel,sweep,parameter,setting,value,density_lookups,gradient_lookups,gradients_computed,cells_walked,shadow_rays,phase_evaluations,null_collisions,surface_tests,random_draws,attenuations,channel_attenuations,emission_terms,first_scatterings,further_scatterings,l2,l2_uncertainty,local_order,fitted_order,expected_order,verdict,reference_bound,runs,median_seconds,min_seconds,max_seconds,is_noisy
+    plume,left half,step,step,1 voxel,1.0,8.0,0.0,0.0,0.0,0.0,0.0,0.0,0.0,0.0,0.0,0.0,0.0,0.0,0.0,0.0625,0.02,,2.0,2.0,as-expected,0.00001,10,1.28e-7,1.0240000000000002e-7,1.9200000000000003e-7,false
+    plume,left half,step,step,0.5 voxels,0.5,16.0,0.0,0.0,0.0,0.0,0.0,0.0,0.0,0.0,0.0,0.0,0.0,0.0,0.0,0.015625,0.02,1.9999999999999996,2.0,2.0,as-expected,0.00001,10,2.56e-7,2.0480000000000003e-7,3.8400000000000005e-7,false
+    ");
 }
 
 #[test]
