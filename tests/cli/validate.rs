@@ -898,10 +898,7 @@ fn sequences_of_steps_are_judged_by_their_limit() {
     let reason = growing["reason"].as_str().unwrap();
     assert!(reason.contains("do not converge"), "{reason}");
     for (files, said) in [
-        (
-            &[sequence[0], sequence[2]][..],
-            "but no limit/cloud@0.5",
-        ),
+        (&[sequence[0], sequence[2]][..], "but no limit/cloud@0.5"),
         (&sequence[..2], "but no limit/cloud@0.25"),
         (&sequence[1..], "but no limit/cloud:"),
     ] {
