@@ -4,7 +4,7 @@ use super::failure::{Exit, Failure};
 use super::kept::{PartArguments, say_kept};
 use super::output::{self, Json};
 use super::{Outcome, progress};
-use crate::judging::{SelfTest, SelfTestCases, SelfTestExtent, case_trials, self_test_steps};
+use crate::judging::{SelfTest, SelfTestCases, case_trials, self_test_steps};
 use crate::report;
 use crate::suite::Case;
 
@@ -38,18 +38,13 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let name = |case: &&Case| case.name.clone();
     part.partition.retain(&mut cases, name)?;
     let store = suite.store();
-    let extent = if arguments.quick {
-        SelfTestExtent::Quick
-    } else {
-        SelfTestExtent::Full
-    };
     let bar = progress::counted(self_test_steps(cases.len()));
     let which = match (part.partition.is_whole(), filters.is_empty()) {
         (false, _) => SelfTestCases::Part,
         (true, true) => SelfTestCases::Whole,
         (true, false) => SelfTestCases::Selected,
     };
-    let found = case_trials(&cases, &store, extent, &|step| bar.show(step));
+    let found = case_trials(&cases, &store, arguments.quick, &|step| bar.show(step));
     bar.finish_and_clear();
     if let Some(kept) = to_keep {
         let names: Vec<String> = cases.iter().map(name).collect();

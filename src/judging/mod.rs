@@ -39,8 +39,7 @@ pub use precision::{declared, radiance};
 pub(crate) use random_samples::within;
 pub use results::{CaseResult, Cause, Verdict, metric_meaning};
 pub(crate) use self_test::{
-    CaseTrials, MistakeTrials, SelfTest, SelfTestCases, SelfTestExtent, Step, Trial, case_trials,
-    self_test_steps,
+    CaseTrials, MistakeTrials, SelfTest, SelfTestCases, Step, Trial, case_trials, self_test_steps,
 };
 pub use validate::validate;
 pub(crate) use validate::validate_at;

@@ -99,18 +99,15 @@ pub struct BenignTrials {
 
 impl BenignTrials {
     fn of(variant: &'static str, found: &[&CaseTrials]) -> BenignTrials {
-        let (mut accepted, mut rejected) = (0, Vec::new());
-        for of in found {
-            match of.benign.get(variant) {
-                None => {}
-                Some(None) => accepted += 1,
-                Some(Some(reason)) => rejected.push(Rejection::new(&of.case, reason)),
-            }
-        }
+        let of_variant = found.iter().map(|of| of.benign.get(variant));
+        let rejected = found.iter().filter_map(|of| {
+            let reason = of.benign.get(variant)?.as_ref()?;
+            Some(Rejection::new(&of.case, reason))
+        });
         BenignTrials {
             variant,
-            accepted,
-            rejected,
+            accepted: of_variant.filter(|it| *it == Some(&None)).count(),
+            rejected: rejected.collect(),
         }
     }
 }
@@ -166,16 +163,6 @@ impl SelfTest {
     }
 }
 
-/// Extent of a self-test.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum SelfTestExtent {
-    /// Every mistake in every case.
-    Full,
-    /// Every mistake in the cases required to catch it, and in others until one does; correct
-    /// images in every fourth case.
-    Quick,
-}
-
 /// Added to the seed of a scene for pictures of the self-test: they share no random number with
 /// goldens.
 const SEED: u64 = 0x7365_6c66_0000_0000;
@@ -205,11 +192,12 @@ pub enum SelfTestCases {
     Part,
 }
 
-/// Runs the self-test on `cases`: outcomes of every mistake and of correct images in each.
+/// Runs the self-test on `cases`: outcomes of every mistake and of correct images in each. A quick one tries a mistake in
+/// the cases required to catch it, and in others until one does; and correct images in every fourth case.
 pub(crate) fn case_trials(
     cases: &[&Case],
     store: &Store,
-    extent: SelfTestExtent,
+    is_quick: bool,
     report: &dyn Fn(Step<'_>),
 ) -> Vec<CaseTrials> {
     let mut found = Vec::new();
@@ -228,10 +216,7 @@ pub(crate) fn case_trials(
     }
     let mut of_subjects: Vec<&mut CaseTrials> =
         found.iter_mut().filter(|of| of.is_usable()).collect();
-    let every = match extent {
-        SelfTestExtent::Full => 1,
-        SelfTestExtent::Quick => 4,
-    };
+    let every = if is_quick { 4 } else { 1 };
     for (variant, make) in BENIGN {
         report(Step::Begins(variant));
         for (subject, found) in subjects.iter().zip(&mut of_subjects).step_by(every) {
@@ -247,7 +232,7 @@ pub(crate) fn case_trials(
     }
     for mistake in mistakes::catalogue() {
         report(Step::Begins(mistake.name));
-        let trials = trials(mistake, &subjects, extent);
+        let trials = trials(mistake, &subjects, is_quick);
         for (found, trial) in of_subjects.iter_mut().zip(trials) {
             found.mistakes.insert(mistake.name.to_owned(), trial);
         }
@@ -369,7 +354,7 @@ fn picture(scene: &Scene, samples: u32, run: u64) -> Option<Film> {
 }
 
 /// Outcomes of `mistake` in each case.
-fn trials(mistake: &Mistake, subjects: &[Subject<'_>], extent: SelfTestExtent) -> Vec<Trial> {
+fn trials(mistake: &Mistake, subjects: &[Subject<'_>], is_quick: bool) -> Vec<Trial> {
     let mut trials = vec![Trial::NotTried; subjects.len()];
     let promises = |subject: &Subject<'_>| subject.case.mistakes.iter().any(|m| m == mistake.name);
     let mut order: Vec<usize> = (0..subjects.len()).collect();
@@ -377,7 +362,7 @@ fn trials(mistake: &Mistake, subjects: &[Subject<'_>], extent: SelfTestExtent) -
     let mut is_caught = false;
     for index in order {
         let subject = &subjects[index];
-        if extent == SelfTestExtent::Quick && is_caught && !promises(subject) {
+        if is_quick && is_caught && !promises(subject) {
             break;
         }
         trials[index] = match subject.with(mistake) {
