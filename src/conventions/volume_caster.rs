@@ -238,9 +238,9 @@ impl<'s> VolumeCaster<'s> {
     fn in_reverse_order(&self, gradient: DVec3) -> DVec3 {
         let camera = &self.scene.camera;
         let axes = [
-            camera.half_right().normalize(),
-            camera.half_up().normalize(),
-            -*camera.axis(),
+            camera.half_right.normalize(),
+            camera.half_up.normalize(),
+            -*camera.axis,
         ];
         let components = DVec3::from_array(axes.map(|axis| gradient.dot(axis)));
         let mapped = match &self.scene.to_world {
@@ -276,7 +276,7 @@ impl<'s> VolumeCaster<'s> {
     /// From `point`, or in parallel light from the centre of the volume, to the light for shading.
     fn to_light(&self, point: DVec3) -> DVec3 {
         let light = if self.scene.conventions.head_light {
-            self.scene.camera.eye()
+            self.scene.camera.eye
         } else {
             self.scene.light
         };
@@ -346,7 +346,7 @@ pub(super) fn near_depth(scene: &Classified) -> f64 {
         return 0.0; // however far a corner is
     }
     let (camera, extent) = (&scene.camera, voxel_extent(scene));
-    let depth = |corner| (extent.in_world(corner) - camera.eye()).dot(*camera.axis());
+    let depth = |corner| (extent.in_world(corner) - camera.eye).dot(*camera.axis);
     let depths = extent.bounds.corners().map(depth);
     scene.conventions.near_plane * depths.into_iter().fold(0.0, f64::max)
 }
@@ -356,7 +356,7 @@ pub(super) fn behind(depth: f64, span: Span, ray: &Ray, scene: &Classified) -> O
     if depth == 0.0 {
         return Some(span);
     }
-    let near = depth / ray.direction.dot(*scene.camera.axis());
+    let near = depth / ray.direction.dot(*scene.camera.axis);
     (near <= span.far).then_some(Span::new(span.near.max(near), span.far))
 }
 

@@ -30,10 +30,10 @@ impl ExportView {
         });
         let half_fov = intrinsics.map(|it| atan2(0.5 * size[1] as f64, it.focal_lengths[1]));
         ExportView {
-            eye: camera.eye(),
-            target: ahead(camera.eye(), camera.axis()),
+            eye: camera.eye,
+            target: ahead(camera.eye, camera.axis),
             // Zeros without a sign.
-            up: *camera.upright() + DVec3::ZERO,
+            up: *camera.upright + DVec3::ZERO,
             orthographic_height: camera.orthographic_height(),
             vertical_fov: degrees(half_fov.map_or(camera.vertical_fov(), |half| 2.0 * half)),
             intrinsics,

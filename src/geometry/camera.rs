@@ -12,16 +12,19 @@ use glam::DVec3;
 /// square; row 0 is the top row.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
-    eye: DVec3,
-    /// Along the line of sight, perpendicular to the image.
-    axis: Direction,
-    /// To the centre of the image: the axis, unless the image lies beside it.
-    forward: Direction,
-    upright: Direction,
-    /// Half the height of the image plane, along the image's two axes: where its centre is at distance 1,
-    /// or at the eye of an orthographic camera.
-    half_right: DVec3,
-    half_up: DVec3,
+    /// Origin of the rays; of an orthographic camera that of the ray through the centre of the image.
+    pub eye: DVec3,
+    /// Direction of the line of sight, perpendicular to the image: that of depth.
+    pub axis: Direction,
+    /// Direction to the centre of the image: the axis, unless the image lies beside it.
+    pub forward: Direction,
+    /// Up direction of the image, perpendicular to the axis.
+    pub upright: Direction,
+    /// Vector to the right in the image plane, whose centre is at distance 1, or at the eye of an orthographic camera,
+    /// as long as half the image's height in pixels.
+    pub half_right: DVec3,
+    /// Vector from the centre of that image plane to its upper edge.
+    pub half_up: DVec3,
     /// Rays begin in the points of the image plane and go forward, not from the eye through these.
     pub(crate) is_orthographic: bool,
 }
@@ -146,11 +149,6 @@ impl Camera {
         })
     }
 
-    /// Origin of the rays; of an orthographic camera that of the ray through the centre of the image.
-    pub fn eye(&self) -> DVec3 {
-        self.eye
-    }
-
     /// The height of the image of an orthographic camera, world units.
     pub fn orthographic_height(&self) -> Option<f64> {
         self.is_orthographic.then(|| 2.0 * self.half_up.length())
@@ -269,32 +267,6 @@ impl Camera {
         moved
     }
 
-    /// Direction of the line of sight, perpendicular to the image: that of depth.
-    pub fn axis(&self) -> Direction {
-        self.axis
-    }
-
-    /// Up direction of the image, perpendicular to [`Camera::axis`].
-    pub fn upright(&self) -> Direction {
-        self.upright
-    }
-
-    /// Direction to the centre of the image.
-    pub fn forward(&self) -> Direction {
-        self.forward
-    }
-
-    /// Vector to the right in the image plane, whose centre is at distance 1, or that of an orthographic
-    /// camera, as long as half the image's height in pixels.
-    pub fn half_right(&self) -> DVec3 {
-        self.half_right
-    }
-
-    /// Vector from the centre of that image plane to its upper edge.
-    pub fn half_up(&self) -> DVec3 {
-        self.half_up
-    }
-
     /// The ray through a point of the image, in pixels from its upper left corner.
     pub fn ray_through(&self, [x, y]: [f64; 2], [width, height]: [usize; 2]) -> Ray {
         self.ray_at(2.0 * x - width as f64, 2.0 * y - height as f64, height)
@@ -361,7 +333,7 @@ mod tests {
             for pixel in [[0, 0], [4, 1], [9, 7]] {
                 let [one, other, back] = [perspective, parallel, back].map(|camera| {
                     let ray = camera.ray(pixel, [10, 8]);
-                    ray.origin + *ray.direction * (3.0 / ray.direction.dot(*camera.axis()))
+                    ray.origin + *ray.direction * (3.0 / ray.direction.dot(*camera.axis))
                 });
                 assert!((one - other).length() <= 32.0 * f64::EPSILON);
                 // An image beside the axis has moved the eye.

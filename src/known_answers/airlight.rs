@@ -48,7 +48,7 @@ fn of(scene: &Radiative) -> Result<AlongRay<'_>, String> {
     without_surfaces(scene)?;
     let (body, medium) = only_homogeneous(scene)?;
     dark(medium)?;
-    let eye = scene.camera.eye();
+    let eye = scene.camera.eye;
     let free_paths = medium.coefficients.sigma_t().min_element();
     let is_endless = match Convex::of(body)? {
         Convex::Everywhere => true,

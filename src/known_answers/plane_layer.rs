@@ -45,7 +45,7 @@ impl PlaneLayer {
             .min_by(|&a, &b| size[a].total_cmp(&size[b]))
             .expect("three axes");
         let (min, max) = (bounds.min, bounds.max);
-        let eye = scene.camera.eye()[axis];
+        let eye = scene.camera.eye[axis];
         let (face, far_face) = if eye >= max[axis] {
             (max[axis], min[axis])
         } else if eye <= min[axis] {

@@ -34,7 +34,7 @@ pub fn render(scene: &Classified, [width, height]: [usize; 2], depth: Depth) -> 
     let pixel = |index: usize| {
         let camera = &scene.camera;
         let ray = camera.ray([index % width, index / width], [width, height]);
-        let cosine = ray.direction.dot(*camera.axis());
+        let cosine = ray.direction.dot(*camera.axis);
         let scale = if depth.along_view { cosine } else { 1.0 };
         let layers = match &several {
             Some(several) => merged_layers(several, &ray),

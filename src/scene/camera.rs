@@ -242,16 +242,16 @@ mod tests {
                     let fov = 0.7;
                     let eye = around.eye(&bounds, up, ImageHeight::Angle(fov), aspect);
                     let camera = Camera::new(eye, bounds.centre(), up, fov).unwrap();
-                    let above = (-*camera.forward()).dot(up) / length_of(up);
+                    let above = (-*camera.forward).dot(up) / length_of(up);
                     assert!((above - math::sin(elevation.to_radians())).abs() < 1e-12);
                     let edge = math::tan(0.5 * fov);
                     let widest = bounds.corners().map(|corner| {
                         let seen = corner - eye;
-                        let depth = edge * seen.dot(*camera.forward());
+                        let depth = edge * seen.dot(*camera.forward);
                         assert!(depth > 0.0);
-                        let right = camera.forward().cross(*camera.upright());
+                        let right = camera.forward.cross(*camera.upright);
                         let across = seen.dot(right).abs() / (depth * aspect);
-                        across.max(seen.dot(*camera.upright()).abs() / depth)
+                        across.max(seen.dot(*camera.upright).abs() / depth)
                     });
                     let widest = widest.into_iter().fold(0.0, f64::max);
                     assert!((widest - 0.95).abs() < 1e-9, "{size:?} {up}: {widest}");
@@ -282,7 +282,7 @@ mod tests {
                         let image = ImageHeight::Angle(fov);
                         let eye = eye_that_sees_all(&bounds, up, image, aspect);
                         let camera = Camera::new(eye, bounds.centre(), up, fov).unwrap();
-                        let (up, forward) = (*camera.upright(), *camera.forward());
+                        let (up, forward) = (*camera.upright, *camera.forward);
                         let right = forward.cross(up);
                         let edge = math::tan(0.5 * fov);
                         let mut widest = 0.0_f64;

@@ -334,7 +334,7 @@ impl Classified {
             return self.each_alone().try_for_each(|alone| alone.check_eye());
         }
         let bounds = self.extent().world_bounds();
-        let to_centre = length_of(self.camera.eye() - bounds.centre());
+        let to_centre = length_of(self.camera.eye - bounds.centre());
         let beside = self.camera.orthographic_height().unwrap_or(0.0);
         let farthest = to_centre + length_of(bounds.size()) + beside;
         // A distance beyond all numbers is no number times anything.
@@ -408,7 +408,7 @@ fn without_samples(reader: &Reader, mode: &Mode, interpolation: Interpolation) -
 /// the target that the eye is outside of. `up` itself, which may lean along the line of sight,
 /// would lead into what is looked at.
 fn above(camera: &Camera, target: DVec3) -> DVec3 {
-    camera.eye() + camera.upright() * length_of(target - camera.eye())
+    camera.eye + camera.upright * length_of(target - camera.eye)
 }
 
 /// The step in world units, given those of a voxel and of the diagonal of the volume.

@@ -162,7 +162,7 @@ fn meshes() {
         ),
         (
             b"v 0 0 0\nv 1 1 0\nv 1 0 0\nv 0 2 0\n\nf 1 2 3 4\n",
-            "mesh.obj:6:1: no fan of triangles from one corner covers this polygon, or it crosses itself: triangulate",
+            "mesh.obj:6:1: no fan of triangles from one corner covers this polygon, or it has no area or crosses itself: triangulate",
         ),
         (
             CUBE.strip_suffix("f 2 4 8 6\n").unwrap().as_bytes(),

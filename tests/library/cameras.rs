@@ -50,7 +50,7 @@ fn rays_are_those_of_the_formula() {
         let rows = rows(seed);
         let camera = Camera::of_matrix(rows, INTRINSICS, SIZE).unwrap();
         assert!(!camera.is_centred());
-        assert_eq!(camera.eye(), DVec3::new(rows[0][3], rows[1][3], rows[2][3]));
+        assert_eq!(camera.eye, DVec3::new(rows[0][3], rows[1][3], rows[2][3]));
         for [column, row] in [[0, 0], [15, 0], [4, 7], [9, 11]] {
             let ray = camera.ray([column, row], SIZE);
             let right = along(rows, INTRINSICS, [column as f64 + 0.5, row as f64 + 0.5]);
@@ -59,7 +59,7 @@ fn rays_are_those_of_the_formula() {
                 "{seed}"
             );
             // The depth of a point is its distance along the axis, as of -z in the camera.
-            let depth = camera.axis().dot(*ray.direction) * right.length();
+            let depth = camera.axis.dot(*ray.direction) * right.length();
             assert!((depth - 1.0).abs() < 1e-14);
         }
         let found = camera.intrinsics(SIZE).unwrap();
@@ -93,7 +93,7 @@ fn a_matrix_says_what_eye_and_target_say() {
         DVec3::Y,
     );
     let looking = Camera::new(eye, target, up, 0.7).unwrap();
-    let [back, up] = [-*looking.axis(), *looking.upright()];
+    let [back, up] = [-*looking.axis, *looking.upright];
     let right = up.cross(back);
     let row = |k: usize| [right[k], up[k], back[k], eye[k]];
     let focal_length = 6.0 / volref::math::tan(0.35);

@@ -105,11 +105,11 @@ fn what_is_refused_says_where() {
 △f 1 2 3/a | 4:7: "3/a" is not a corner
 △f 1 2 99999999999999999999 | 4:7: "99999999999999999999" is not a corner
 △f 1 2 9223372036854775807 | 4:7: this face refers to vertex 9223372036854775807
-△f 1 -9223372036854775808 2 | 4:5: this face refers to the vertex
+△f 1 -9223372036854775808 2 | 4:5: this face refers to vertex
 △⏎f 1 2 | 5:1: a face has three corners or more, this one has 2
 △f | 4:1: a face has three corners or more, this one has 0
 v 0 0 0⏎v 1 1,5 0 | 2:5: y is "1,5", which is no finite number: write it like 0.5
-v 0 0 \⏎ nan | 2:2: z is "nan", which is not finite
+v 0 0 \⏎ nan | 2:2: z is "nan", which is no finite number
 v 1 2 | 1:1: a `v` line of a mesh has 3 numbers (x y z)
 v 1 2 3 0.5 | 1:9: w is 0.5, and a vertex of a mesh has no weight
 v 1 2 3 1 1 | 1:1: a `v` line of a mesh has 3 numbers
@@ -122,7 +122,7 @@ call other.obj | 1:1: "call" is not a keyword of the OBJ format
 △deg 3⏎curv 0 1 1 2 3⏎end | the mesh has no faces: export it as polygons
 △v 2 0 0⏎⏎f 1 2 3⏎f 1 2 4 | the face in line 7 has no area: its corners [0, 0, 0], [1, 0, 0] and [2, 0, 0]
 △v 1 1 0⏎f 1 2 3 4 | 5:1: no fan of triangles from one corner covers this polygon, or it has no area
-△v 2 3 0⏎f 1 2 3 4 | 5:1: no fan of triangles from one corner covers this polygon, or it crosses itself: triangulate
+△v 2 3 0⏎f 1 2 3 4 | 5:1: no fan of triangles from one corner covers this polygon, or it has no area or crosses itself: triangulate
 △v 2 0 0⏎v 3 0 0⏎f 1 2 4 5 | 6:1: no fan of triangles from one corner covers this polygon, or it has no area
 "#
     .lines()

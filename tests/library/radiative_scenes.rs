@@ -825,11 +825,11 @@ fn parts_that_make_no_picture_together() {
     }
     insta::assert_snapshot!(all, @r"
     6:15: a medium fills all space, and no light arrives from infinitely far away, as of `environment` help: give the medium a boundary: a `sphere`, `box` or closed `mesh`; or light the scene from within, by emitting surfaces, points or spots
-    13:12: a medium that fills all space and emits or scatters without absorbing is infinitely bright help: give the medium a boundary: a `sphere`, `box` or closed `mesh`; or give it some absorption in every channel that it emits or scatters in, or limit `radiative.max_bounces`
-    13:12: a medium that fills all space and emits or scatters without absorbing is infinitely bright help: give the medium a boundary: a `sphere`, `box` or closed `mesh`; or give it some absorption in every channel that it emits or scatters in, or limit `radiative.max_bounces`
-    13:11: a medium that fills all space and emits or scatters without absorbing is infinitely bright help: give the medium a boundary: a `sphere`, `box` or closed `mesh`; or give it some absorption in every channel that it emits or scatters in, or limit `radiative.max_bounces`
-    13:11: a medium that fills all space and emits or scatters without absorbing is infinitely bright help: give the medium a boundary: a `sphere`, `box` or closed `mesh`; or give it some absorption in every channel that it emits or scatters in, or limit `radiative.max_bounces`
-    14:10: a medium that fills all space and emits or scatters without absorbing is infinitely bright help: give the medium a boundary: a `sphere`, `box` or closed `mesh`; or give it some absorption in every channel that it emits or scatters in, or limit `radiative.max_bounces`
+    12:1: a medium that fills all space and emits or scatters without absorbing is infinitely bright help: give the medium a boundary: a `sphere`, `box` or closed `mesh`; or give it some absorption in every channel that it emits or scatters in, or limit `radiative.max_bounces`
+    12:1: a medium that fills all space and emits or scatters without absorbing is infinitely bright help: give the medium a boundary: a `sphere`, `box` or closed `mesh`; or give it some absorption in every channel that it emits or scatters in, or limit `radiative.max_bounces`
+    12:1: a medium that fills all space and emits or scatters without absorbing is infinitely bright help: give the medium a boundary: a `sphere`, `box` or closed `mesh`; or give it some absorption in every channel that it emits or scatters in, or limit `radiative.max_bounces`
+    12:1: a medium that fills all space and emits or scatters without absorbing is infinitely bright help: give the medium a boundary: a `sphere`, `box` or closed `mesh`; or give it some absorption in every channel that it emits or scatters in, or limit `radiative.max_bounces`
+    12:1: a medium that fills all space and emits or scatters without absorbing is infinitely bright help: give the medium a boundary: a `sphere`, `box` or closed `mesh`; or give it some absorption in every channel that it emits or scatters in, or limit `radiative.max_bounces`
     16:15: a medium fills all space, and no light arrives from infinitely far away, as of `directional` help: give the medium a boundary: a `sphere`, `box` or closed `mesh`; or light the scene from within, by emitting surfaces, points or spots
     16:1: camera paths cannot sample light from a point, spot or directional light that arrives by way of a mirror or glass help: use a small or far emitting surface, or the environment, in place of the light; or a diffuse surface
     16:1: camera paths cannot sample light from a point, spot or directional light that arrives by way of a mirror or glass help: use a small or far emitting surface, or the environment, in place of the light; or a diffuse surface
@@ -952,10 +952,10 @@ fn what_belongs_to_other_models() {
     2:8: `seed` must lie in [0, 9223372036854775807], got -1
     2:1: unknown key `spp` in [sampling] help: allowed keys in [sampling]: samples, seed
     7:1: the file has more than one model: [classified], [radiative] help: keep exactly one of [classified], [radiative]
-    1:1: missing key `eye` in [camera] help: `camera.eye`: Position of the camera, world units; required in a radiative scene.
-    1:1: missing key `target` in [camera] help: `camera.target`: The point in the middle of the image, world units; required in a radiative scene.
+    1:1: missing key `eye` in [camera]
+    1:1: missing key `target` in [camera]
     2:7: the camera is at its target, so it has no direction
-    1:1: missing key `eye` in [camera] help: `camera.eye`: Position of the camera, world units; required in a radiative scene.
+    1:1: missing key `eye` in [camera]
     6:1: unknown key `scatering` in [radiative] help: did you mean `scattering`?
     16:13: unknown key `lights` in [radiative] help: did you mean `light`?
     "#);

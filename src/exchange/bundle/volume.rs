@@ -85,11 +85,11 @@ pub(super) fn ray(camera: &Camera) -> Entries {
          of its pixels, where forward meets it. Coordinates are right-handed: half_right points along axis x half_up"
     );
     let mut entries = entries! {
-        "eye": camera.eye(), "forward": *camera.forward(), "half_right": camera.half_right(),
-        "half_up": camera.half_up(),
+        "eye": camera.eye, "forward": *camera.forward, "half_right": camera.half_right,
+        "half_up": camera.half_up,
     };
     entries.extend(if !camera.is_centred() {
-        entries! { "axis": *camera.axis(), "formula": beside }
+        entries! { "axis": *camera.axis, "formula": beside }
     } else if let Some(height) = camera.orthographic_height() {
         entries! { "orthographic_height": height, "formula": parallel }
     } else {

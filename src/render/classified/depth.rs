@@ -52,7 +52,7 @@ fn of_pixels(
         .collect();
     let of_pixel = |(panel, (volume, passed), pixel): (&&Panel, &(&Classified, Passed<'_>), _)| {
         let ray = volume.camera.ray(pixel, [panel.width, panel.height]);
-        let cosine = ray.direction.dot(*volume.camera.axis());
+        let cosine = ray.direction.dot(*volume.camera.axis);
         let scale = if along_view { cosine } else { 1.0 };
         (scale * distance(volume, passed, &ray)) as f32
     };

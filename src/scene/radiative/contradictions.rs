@@ -92,7 +92,7 @@ impl<'d, 's> Contradictions<'_, 'd, 's> {
             _ => 0.0,
         });
         let farthest = lights.map(farthest).chain(blobs);
-        let farthest = farthest.fold(height.max(camera.eye().abs().max_element()), f64::max);
+        let farthest = farthest.fold(height.max(camera.eye.abs().max_element()), f64::max);
         if farthest <= FARTHEST {
             return Ok(());
         }

@@ -37,7 +37,7 @@ pub(super) fn numbers(scene: &Radiative) -> Vec<Number> {
 /// Numbers of the area light `at`.
 fn of_area_light(scene: &Radiative, at: usize) -> Vec<Number> {
     let bounds = scene.area_lights[at].shape.bounds();
-    let step = PART_OF_DISTANCE * (bounds.centre() - scene.camera.eye()).length();
+    let step = PART_OF_DISTANCE * (bounds.centre() - scene.camera.eye).length();
     let strength = ["lamp", "radiance of the area light", "area light"];
     let strength = Number::radiative(strength, 0.5, move |scene, change| {
         scene.area_lights.get_mut(at)?.radiance *= 1.0 + change;
@@ -76,7 +76,7 @@ fn of_light(scene: &Radiative, at: usize) -> Vec<Number> {
     });
     let mut numbers = vec![strength.linear()];
     if let Some(position) = light.position() {
-        let step = PART_OF_DISTANCE * (position - scene.camera.eye()).length();
+        let step = PART_OF_DISTANCE * (position - scene.camera.eye).length();
         numbers.extend((0..3).map(|axis| {
             let names = along(["light", "of the light", "light"], axis);
             let number = Number::radiative(names, step, move |scene, change| {

@@ -37,7 +37,7 @@ pub(super) fn numbers(scene: &Scene) -> Vec<Number> {
         camera.with_image_scaled(math::exp(math::ln_1p(change)))
     });
     // Things as far away as the image plane move by a pixel.
-    let distance = camera.eye().length().max(camera.half_up().length());
+    let distance = camera.eye.length().max(camera.half_up.length());
     let eye = (0..3).map(|axis| {
         let names = along(["camera", "of the eye", "camera"], axis);
         let number = Number::new(names, pixel * distance, move |panel, change| {

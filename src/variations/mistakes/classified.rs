@@ -78,7 +78,7 @@ pub(super) const MISTAKES: &[Mistake] = mistakes! {
         "the colour of each sample is multiplied by its opacity twice: do so in the table or in the loop, not in both";
     "light-at-the-eye" => Classified(|scene| {
         let occurs = scene.phong.is_some() || scene.shadow.is_some();
-        scene.light = scene.camera.eye();
+        scene.light = scene.camera.eye;
         occurs
     }),
         "the light is at the eye: its position is given by the scene";
@@ -161,7 +161,7 @@ pub(super) const MISTAKES: &[Mistake] = mistakes! {
 /// switch for it. Not where the eye is among the volume: parallel rays would begin within it.
 fn projected_otherwise(scene: &mut Classified) -> bool {
     let centre = scene.extent().world_bounds().centre();
-    let depth = (centre - scene.camera.eye()).dot(*scene.camera.axis());
+    let depth = (centre - scene.camera.eye).dot(*scene.camera.axis);
     let is_before = depth > 0.5 * scene.diagonal();
     let other = is_before.then(|| scene.camera.with_other_projection(depth));
     other.is_some_and(|other| set(&mut scene.camera, other))
@@ -179,7 +179,7 @@ fn referred(scene: &mut Classified, edit: fn(f64, f64) -> f64) -> bool {
 
 fn eye_is_inside(scene: &Classified) -> bool {
     let extent = scene.extent();
-    let eye = extent.to_volume(scene.camera.eye());
+    let eye = extent.to_volume(scene.camera.eye);
     eye.clamp(extent.bounds.min, extent.bounds.max) == eye
 }
 

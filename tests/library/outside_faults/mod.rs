@@ -91,9 +91,9 @@ fn with_camera_turned(scene: &Scene, [right, down]: [f64; 2]) -> Film {
     let panel = &mut scene.panels[0];
     let pixel = 2.0 / panel.height as f64;
     edit_camera(&mut panel.model, |camera| {
-        let centre = *camera.forward() - camera.half_right() * (right * pixel)
-            + camera.half_up() * (down * pixel);
-        let [eye, up] = [camera.eye(), *camera.upright()];
+        let centre =
+            *camera.forward - camera.half_right * (right * pixel) + camera.half_up * (down * pixel);
+        let [eye, up] = [camera.eye, *camera.upright];
         Camera::new(eye, eye + centre, up, camera.vertical_fov()).unwrap()
     });
     rendered(&scene, 16)
