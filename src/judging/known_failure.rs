@@ -4,6 +4,8 @@ use super::{CaseResult, Cause, Verdict};
 use crate::compare::Gate;
 use crate::compare::deterministic::{FAR_SHARE, HARD_CAP, OUTLIERS};
 use crate::compare::perceptual::{MOST_MEAN, MOST_P99};
+use crate::conventions::{CATALOGUE, Profile};
+use crate::variations::mistakes;
 use toml_edit::Value;
 
 /// True of a result that is a fault of the renderer: its image differs or cannot be read, or the renderer failed. A
@@ -26,6 +28,19 @@ pub(super) fn found_causes(result: &CaseResult) -> (Vec<&str>, bool) {
     let found: Vec<&str> = found.map(|words| &words[..first(words)]).collect();
     let is_searched = !found.is_empty() || result.search_ended == Some(true);
     (found, is_searched)
+}
+
+/// The names of mistakes and conventions, which causes have.
+pub(super) fn causes() -> impl Iterator<Item = &'static str> {
+    let mistakes = mistakes::catalogue().map(|mistake| mistake.name);
+    mistakes.chain(CATALOGUE.iter().map(|convention| convention.words))
+}
+
+/// True if a search may find the `cause`.
+pub(super) fn is_cause(cause: &str) -> bool {
+    let profile = cause.strip_prefix(OF_PROFILE).unwrap_or_default();
+    let is_named = |name| profile.trim_start().split(',').next() == Some(name);
+    causes().any(|known| known == cause) || Profile::shipped().any(is_named)
 }
 
 /// A size of a difference.

@@ -1,8 +1,11 @@
 //! Files of known failures: read, held against results, and rewritten.
 
 use super::known::{Known, KnownStatus};
-use super::known_failure::{BOUNDS, Keys, Size, failing, found_causes, is_failure};
+use super::known_failure::{
+    BOUNDS, Keys, Size, causes, failing, found_causes, is_cause, is_failure,
+};
 use super::{CaseResult, Cause, Verdict};
+use crate::files::misspelling::nearest;
 use crate::scene::SceneResult;
 use crate::scene::format::{Key, Kind, Range, Table};
 use crate::scene::reader::{Document, Reader};
@@ -303,6 +306,16 @@ fn entry<'s>(
         let help = format!("write [{name:?}], and below it reason = \"...\"");
         return Err(document.error(Some(value.span()), message, Some(help)));
     };
+    let cause = reader.get::<Option<String>>("cause")?;
+    if let Some(cause) = cause.as_deref().filter(|cause| !is_cause(cause)) {
+        let message = format!("{cause:?} is no mistake or convention that a search finds");
+        let meant = nearest(cause, causes()).map(|meant| format!("did you mean {meant:?}? "));
+        let meant = meant.unwrap_or_default();
+        let help = format!(
+            "{meant}`volref list --mistakes` shows the mistakes, a verdict the conventions"
+        );
+        return Err(reader.mistake("cause", message, help));
+    }
     let verdict = reader.get::<Option<String>>("verdict")?;
     let verdict: Result<Verdict, ValueError> = verdict.map_or(Ok(Verdict::Fail), |name| {
         Verdict::deserialize(name.into_deserializer())
@@ -311,7 +324,7 @@ fn entry<'s>(
         name: name.to_owned(),
         cases,
         verdict: verdict.unwrap_or(Verdict::Fail),
-        cause: reader.get("cause")?,
+        cause,
         reason: reader.get::<Option<String>>("reason")?.unwrap_or_default(),
         link: reader.get("link")?,
         bounds: [reader.get(BOUNDS[0])?, reader.get(BOUNDS[1])?],

@@ -304,6 +304,10 @@ fn bad_files_are_refused_with_their_line() {
             &["known.toml:2:", "verdict"],
         ),
         (
+            "[smoke]\ncause = \"step-doubles\"".to_owned() + reason,
+            &["known.toml:2:", "did you mean \"step-doubled\"?"],
+        ),
+        (
             "[smoke]\nbound = -1".to_owned() + reason,
             &["known.toml:2:", "bound"],
         ),
