@@ -18,12 +18,9 @@ pub fn nearest<'n>(word: &str, names: impl IntoIterator<Item = &'n str>) -> Opti
     near.min().map(|(_, name)| name)
 }
 
-/// The remedy for a text of TOML that is wrong from `start` on, if a backslash is what is wrong there.
-pub fn escape_remedy(text: &str, start: usize) -> Option<&'static str> {
-    let line = text.get(..start)?.rfind('\n');
-    let line = line.map_or(0, |newline| newline + 1);
-    let line = text[line..].lines().next()?;
-    line.contains('\\').then_some(
+/// The remedy for a `message` of TOML on an escape.
+pub fn escape_remedy(message: &str) -> Option<&'static str> {
+    message.contains("escape").then_some(
         "a backslash in double quotes begins an escape: write paths with slashes, or in 'single quotes'",
     )
 }

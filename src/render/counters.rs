@@ -1,13 +1,11 @@
 //! Counters of work.
 
-use super::plan::Effect;
 use serde::{Serialize, Serializer};
 use std::ops::{Index, IndexMut};
 
-/// Defines [`Event`] from one list: of each event the meaning, the name, the JSON key, and the
-/// effects that do such work.
+/// Defines [`Event`] from one list: of each event the meaning, the name and the JSON key.
 macro_rules! events {
-    ($($(#[$meaning:meta])* $event:ident, $key:literal, [$($effect:ident),+];)+) => {
+    ($($(#[$meaning:meta])* $event:ident, $key:literal;)+) => {
         /// A unit of work that kernels count.
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         pub enum Event {
@@ -27,62 +25,53 @@ macro_rules! events {
                     $(Event::$event => $key,)+
                 }
             }
-
-            /// The effects that do this work: none of it is done where none of them is simulated.
-            pub fn effects(self) -> &'static [Effect] {
-                match self {
-                    $(Event::$event => &[$(Effect::$effect),+],)+
-                }
-            }
         }
     };
 }
 
 events! {
     /// Density read from a grid or evaluated, shadow rays included.
-    DensityLookup, "density_lookups", [Heterogeneity];
+    DensityLookup, "density_lookups";
 
     /// Stored gradient interpolated at a point.
-    GradientLookup, "gradient_lookups", [GradientShading];
+    GradientLookup, "gradient_lookups";
 
     /// Gradient of a node, computed to be stored.
-    GradientComputed, "gradients_computed", [GradientShading];
+    GradientComputed, "gradients_computed";
 
     /// Cell or block of a grid that a ray enters: its emptiness or majorant is read.
-    CellWalked, "cells_walked", [Heterogeneity];
+    CellWalked, "cells_walked";
 
     /// Ray towards a light, for the transmittance or the shadow on it.
-    ShadowRay, "shadow_rays", [MediumShadow, SurfaceShadow];
+    ShadowRay, "shadow_rays";
 
     /// Value of an anisotropic phase function.
-    PhaseEvaluation, "phase_evaluations", [AnisotropicPhase];
+    PhaseEvaluation, "phase_evaluations";
 
     /// Null collision of a tracking method.
-    NullCollision, "null_collisions", [Heterogeneity];
+    NullCollision, "null_collisions";
 
     /// Intersection test of a ray with a surface.
-    SurfaceTest, "surface_tests", [Surfaces];
+    SurfaceTest, "surface_tests";
 
     /// Random number. (A density without an integral is tracked even if it only absorbs.)
-    RandomDraw, "random_draws", [SingleScattering, MultipleScattering, Heterogeneity];
+    RandomDraw, "random_draws";
 
     /// Transmittance of a medium segment or opacity of a sample: an exponential or a power.
     /// (Extinction is absorption and scattering together.)
-    Attenuation, "attenuations", [
-        Absorption, Emission, SingleScattering, MultipleScattering, MediumShadow
-    ];
+    Attenuation, "attenuations";
 
     /// The same for the second and third colour channels.
-    ChannelAttenuation, "channel_attenuations", [ChromaticCoefficients];
+    ChannelAttenuation, "channel_attenuations";
 
     /// Emission of a sample or of a medium segment.
-    EmissionTerm, "emission_terms", [Emission];
+    EmissionTerm, "emission_terms";
 
     /// First scattering or reflection on a path from the eye.
-    FirstScattering, "first_scatterings", [SingleScattering];
+    FirstScattering, "first_scatterings";
 
     /// Scattering or reflection of second or higher order.
-    FurtherScattering, "further_scatterings", [MultipleScattering];
+    FurtherScattering, "further_scatterings";
 }
 
 /// A number for each event.

@@ -27,7 +27,6 @@
 //!
 //! Effects that a model does not have (surfaces in a classified volume, gradient shading in media)
 //! are elided, too. An effect that is null can be [forced](Plan::forcing): the same bits for more
-//! work. [`Event::effects`](super::counters::Event::effects) lists the effects behind each kind of
 //! work. A key without any effect is a [warning](Plan::warnings).
 
 mod canonical_text;

@@ -49,8 +49,7 @@ impl<'s> Document<'s> {
     /// The root table of the file.
     pub fn parse(&self) -> SceneResult<Spanned<DeTable<'s>>> {
         DeTable::parse(self.text).map_err(|error| {
-            let start = error.span().map_or(0, |span| span.start);
-            let help = escape_remedy(self.text, start)
+            let help = escape_remedy(error.message())
                 .unwrap_or("the file is not valid TOML; see https://toml.io for its rules");
             self.error(error.span(), error.message(), Some(help.into()))
         })

@@ -74,8 +74,9 @@ impl RawVolume {
     fn parse(text: &str) -> Result<RawVolume, VolumeFault> {
         let volume: RawVolume = toml::from_str(text).map_err(|error| {
             let start = error.span().map_or(0, |span| span.start);
-            let remedy = escape_remedy(text, start).map_or(String::new(), |it| format!("; {it}"));
-            in_line(text, start, &(error.message().trim().to_owned() + &remedy))
+            let message = error.message().trim();
+            let remedy = escape_remedy(message).map_or(String::new(), |it| format!("; {it}"));
+            in_line(text, start, &(message.to_owned() + &remedy))
         })?;
         let element = volume.r#type.get_ref();
         if volume.endian.is_none() && element.bytes() > 1 {

@@ -7,7 +7,9 @@ use super::ray_majorants::RayMajorants;
 use super::sampler::NumberRow;
 use super::scene_context::SceneContext;
 use super::segments::{MediumSegment, MediumSegments};
-use super::tracking::{MajorantSegment, Majorants, TentativeNumbers, tentative_collisions, thin};
+use super::tracking::{
+    MajorantSegment, RealCollision, TentativeNumbers, tentative_collisions, thin,
+};
 use super::transmittance::Transmittance;
 use crate::geometry::{Ray, Span};
 use crate::math::quadrature::integrate;
@@ -83,19 +85,15 @@ impl Emission<'_> {
                 RayMajorants::new(&self.0.media, segment.set, ray, segment.span, heterogeneous);
             let first = numbers.next();
             let effort = &mut scratch.effort;
-            let visit = |majorants: &mut RayMajorants<'_, '_>,
-                         segment: &MajorantSegment,
-                         t: f64,
-                         u: f64| {
-                let extinction = majorants.extinction(t);
-                effort.note(segment, extinction);
+            let visit = |majorants: &RayMajorants<'_, '_>, segment: &_, at: RealCollision, u| {
                 let rate = rate(segment);
                 work.count(Event::EmissionTerm);
                 radiance += throughput * majorants.emission() / rate;
-                throughput *= DVec3::ONE - extinction / rate;
+                throughput *= DVec3::ONE - at.extinction / rate;
                 thin(&mut throughput, u)
             };
-            let end = tentative_collisions(&mut majorants, rate, first, &mut numbers, visit);
+            let end =
+                tentative_collisions(&mut majorants, rate, first, &mut numbers, effort, visit);
             majorants.count_work(work);
             if end.is_break() {
                 break;

@@ -82,7 +82,8 @@ pub(crate) fn tentative_collisions<M: Majorants, B>(
     rate: impl Fn(&MajorantSegment) -> f64,
     first: Tentative,
     numbers: &mut impl TentativeNumbers,
-    mut visit: impl FnMut(&mut M, &MajorantSegment, f64, f64) -> ControlFlow<B>,
+    effort: &mut Effort,
+    mut visit: impl FnMut(&M, &MajorantSegment, RealCollision, f64) -> ControlFlow<B>,
 ) -> ControlFlow<B, Tentative> {
     let Tentative {
         mut optical_distance,
@@ -102,7 +103,10 @@ pub(crate) fn tentative_collisions<M: Majorants, B>(
                 break;
             }
             near = (near + optical_distance / rate).min(far);
-            visit(majorants, &segment, near, u)?;
+            let extinction = majorants.extinction(near);
+            effort.note(&segment, extinction);
+            let t = near;
+            visit(majorants, &segment, RealCollision { t, extinction }, u)?;
             Tentative {
                 optical_distance,
                 u,
@@ -139,25 +143,19 @@ pub fn delta_tracking<M: Majorants>(
     effort: &mut Effort,
 ) -> ControlFlow<RealCollision, Tentative> {
     let rate = |segment: &MajorantSegment| segment.majorant.max_element();
-    tentative_collisions(
-        majorants,
-        rate,
-        first,
-        numbers,
-        |majorants, segment, t, u| {
-            let extinction = majorants.extinction(t);
-            effort.note(segment, extinction);
-            // Always so for u < 1 where the extinction is the whole rate: no collision is null there.
-            if u * rate(segment) < extinction[channel] {
-                return Break(RealCollision { t, extinction });
-            }
-            if extinction != DVec3::splat(extinction.x) {
-                *survived *= (rate(segment) - extinction).max(DVec3::ZERO);
-                *survived /= survived.max_element();
-            }
-            Continue(())
-        },
-    )
+    let visit = |_: &M, segment: &MajorantSegment, collision: RealCollision, u: f64| {
+        let extinction = collision.extinction;
+        // Always so for u < 1 where the extinction is the whole rate: no collision is null there.
+        if u * rate(segment) < extinction[channel] {
+            return Break(collision);
+        }
+        if extinction != DVec3::splat(extinction.x) {
+            *survived *= (rate(segment) - extinction).max(DVec3::ZERO);
+            *survived /= survived.max_element();
+        }
+        Continue(())
+    };
+    tentative_collisions(majorants, rate, first, numbers, effort, visit)
 }
 
 /// The control variate of ratio tracking: the extinction integrated in closed form, so that only
@@ -204,9 +202,8 @@ pub fn ratio_tracking<M: Majorants>(
         rate,
         first,
         numbers,
-        |majorants, segment, t, u| {
-            let extinction = majorants.extinction(t);
-            effort.note(segment, extinction);
+        effort,
+        |_, segment, RealCollision { extinction, .. }, u| {
             ratio *= DVec3::ONE - (extinction - known(segment)) / rate(segment);
             match small {
                 Small::Kept => Continue(()),

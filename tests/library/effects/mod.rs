@@ -10,3 +10,35 @@ mod continuity;
 pub mod scenes;
 mod subsets;
 mod suite;
+
+use volref::render::{Effect, Event};
+
+/// The effects that do such work: none of it is done where none of them is simulated.
+fn effects_of(event: Event) -> &'static [Effect] {
+    match event {
+        Event::DensityLookup => &[Effect::Heterogeneity],
+        Event::GradientLookup => &[Effect::GradientShading],
+        Event::GradientComputed => &[Effect::GradientShading],
+        Event::CellWalked => &[Effect::Heterogeneity],
+        Event::ShadowRay => &[Effect::MediumShadow, Effect::SurfaceShadow],
+        Event::PhaseEvaluation => &[Effect::AnisotropicPhase],
+        Event::NullCollision => &[Effect::Heterogeneity],
+        Event::SurfaceTest => &[Effect::Surfaces],
+        Event::RandomDraw => &[
+            Effect::SingleScattering,
+            Effect::MultipleScattering,
+            Effect::Heterogeneity,
+        ],
+        Event::Attenuation => &[
+            Effect::Absorption,
+            Effect::Emission,
+            Effect::SingleScattering,
+            Effect::MultipleScattering,
+            Effect::MediumShadow,
+        ],
+        Event::ChannelAttenuation => &[Effect::ChromaticCoefficients],
+        Event::EmissionTerm => &[Effect::Emission],
+        Event::FirstScattering => &[Effect::SingleScattering],
+        Event::FurtherScattering => &[Effect::MultipleScattering],
+    }
+}

@@ -1,5 +1,6 @@
 //! Scenes made of effects, as text, and what comes of them.
 
+use crate::effects::effects_of;
 use std::path::Path;
 use volref::film::Film;
 use volref::render::plan::Kernel;
@@ -70,7 +71,7 @@ fn may_do(plan: &Plan<'_>, event: Event) -> bool {
         (Event::Attenuation | Event::EmissionTerm, Kernel::Integral(_)) => true,
         _ => false,
     };
-    in_part || event.effects().iter().any(|&effect| plan.is_on(effect))
+    in_part || effects_of(event).iter().any(|&effect| plan.is_on(effect))
 }
 
 /// What a scene of surfaces, media and lights is made of.

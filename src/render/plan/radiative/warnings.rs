@@ -36,24 +36,17 @@ impl Contents<'_> {
     }
 
     fn ineffective_media(&self) -> Vec<Warning> {
+        let is_idle = |body: &Body| {
+            let medium = body.medium;
+            medium.coefficients.sigma_t() == DVec3::ZERO && medium.emission == DVec3::ZERO
+                || body.density.as_ref().is_some_and(Density::is_nothing)
+        };
         let media = self.scene.media.iter().enumerate();
-        media
-            .filter_map(|(index, body)| self.ineffective_medium(index, body))
+        let idle = media.filter(|(_, body)| is_idle(body));
+        let message =
+            "this medium has no effect: its coefficients and emission, or its density, are 0";
+        idle.map(|(index, _)| (format!("{MEDIUM}[{index}]"), message.to_owned()))
             .collect()
-    }
-
-    fn ineffective_medium(&self, index: usize, body: &Body) -> Option<Warning> {
-        let (coefficients, emission) = (body.medium.coefficients, body.medium.emission);
-        let at = format!("{MEDIUM}[{index}]");
-        if coefficients.sigma_t() == DVec3::ZERO && emission == DVec3::ZERO {
-            let message = "this medium has no effect: its coefficients and emission are 0";
-            return Some((at, message.to_owned()));
-        }
-        if body.density.as_ref().is_some_and(Density::is_nothing) {
-            let message = "this medium has no effect: its density is 0 everywhere";
-            return Some((at, message.to_owned()));
-        }
-        None
     }
 
     fn inverted_emitters(&self) -> Vec<Warning> {
@@ -74,15 +67,10 @@ impl Contents<'_> {
     fn ineffective_lights(&self) -> Vec<Warning> {
         let lights = self.scene.lights.iter().enumerate();
         let warnings = lights.filter_map(|(index, light)| {
-            let message = if light.strength() == DVec3::ZERO {
-                "this light has no effect: it emits nothing"
-            } else if !self.is_scattered() {
-                "this light has no effect: nothing scatters its light towards the eye, and a \
-                 point, spot or directional light is itself invisible"
-            } else {
-                return None;
-            };
-            Some((format!("radiative.light[{index}]"), message.to_owned()))
+            let message = "this light has no effect: it emits nothing, or nothing scatters its light towards the eye, and \
+                           a point, spot or directional light is itself invisible";
+            let is_idle = light.strength() == DVec3::ZERO || !self.is_scattered();
+            is_idle.then(|| (format!("radiative.light[{index}]"), message.to_owned()))
         });
         warnings.collect()
     }
