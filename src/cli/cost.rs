@@ -3,6 +3,7 @@
 use super::command_line::command_line;
 use super::failure::{Failure, bad_input};
 use super::output::{self, Json};
+use super::renderer::seconds;
 use super::suite::{NamedScene, named_scene};
 use super::{Outcome, progress};
 use crate::cost::timing::{Clock, Machine, RUNS};
@@ -115,14 +116,6 @@ fn stem(cost: &Cost) -> &str {
     let name = cost.scene.rsplit(['/', '\\']).next().unwrap_or_default();
     // The point in the name of a case, such as threshold-1.25, begins no extension.
     name.strip_suffix(".toml").unwrap_or(name)
-}
-
-/// Seconds on the command line: up to a year, which overflows no clock.
-fn seconds(text: &str) -> Result<f64, String> {
-    match text.parse() {
-        Ok(seconds) if (0.0..=3.2e7).contains(&seconds) && seconds > 0.0 => Ok(seconds),
-        _ => Err("a budget is a number of seconds above 0, such as 30".to_owned()),
-    }
 }
 
 /// Number of timed runs.

@@ -123,7 +123,7 @@ impl RendererArguments {
 }
 
 /// A time limit: positive and finite.
-fn seconds(text: &str) -> Result<f64, String> {
+pub fn seconds(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(seconds) if seconds > 0.0 && seconds <= 1e9 => Ok(seconds),
         _ => Err("a time limit is a positive number of seconds".to_owned()),

@@ -17,8 +17,7 @@ impl Threads {
             return Ok(work());
         };
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.into());
-        let pool = pool.build();
-        pool.map(|pool| pool.install(work))
+        (pool.build().map(|pool| pool.install(work)))
             .map_err(|error| bad_input(format!("--threads: {error}")))
     }
 }

@@ -9,9 +9,9 @@ pub(crate) mod misspelling;
 pub(crate) mod own_file;
 pub(crate) mod partial_file;
 pub(crate) mod program_hash;
-#[cfg(test)]
-pub(crate) mod proptest_failures;
 pub(crate) mod regular_file;
+#[cfg(test)]
+pub(crate) mod tests;
 pub(crate) mod visible;
 
 pub use program_hash::program_hash;

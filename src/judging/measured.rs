@@ -54,7 +54,7 @@ pub(crate) fn is_of_png(picture: &Picture) -> bool {
 }
 
 fn in_words(factors: [f64; 3], is_of_png: bool) -> String {
-    let [r, g, b] = factors.map(number);
+    let [r, g, b] = factors.map(|factor| format!("{factor:.4}"));
     let what = if factors != [factors[0]; 3] {
         format!("{r}, {g}, {b} in red, green and blue")
     } else if is_of_png {
@@ -67,15 +67,6 @@ fn in_words(factors: [f64; 3], is_of_png: bool) -> String {
         r
     };
     format!("the image is the golden × {what}")
-}
-
-/// A number in four digits.
-fn number(value: f64) -> String {
-    match value.abs() {
-        0.01..10.0 => format!("{value:.3}"),
-        10.0..1000.0 => format!("{value:.1}"),
-        _ => format!("{value:.3e}"),
-    }
 }
 
 fn scaled(film: &Film, factors: &[f64; 3]) -> Film {

@@ -90,7 +90,10 @@ pub(crate) fn render_part(
     let film = Film::side_by_side(&films);
     match film.first_without_radiance() {
         None => Ok(Rendering {
-            error_bound: error.map(|error| relative_to_brightest(error, &film)),
+            error_bound: error.map(|error| match error {
+                0.0 => 0.0,
+                _ => error / film.brightest(),
+            }),
             film,
             work,
         }),
@@ -99,15 +102,6 @@ pub(crate) fn render_part(
             Err(RenderError::TooBright(pixel))
         }
         Some((pixel, value)) => Err(RenderError::NoRadiance(pixel, value)),
-    }
-}
-
-/// `error` relative to the brightest pixel of `film`.
-fn relative_to_brightest(error: f64, film: &Film) -> f64 {
-    if error > 0.0 {
-        error / film.brightest()
-    } else {
-        0.0
     }
 }
 
@@ -194,11 +188,6 @@ fn render_panel(
     Ok(PanelImage { film, work, error })
 }
 
-/// Whether the scene has a light of unbounded radiance.
-fn has_points(scene: &Radiative) -> bool {
-    scene.lights.iter().any(|light| light.position().is_some())
-}
-
 /// The part of a panel that is rendered.
 #[derive(Clone, Copy)]
 struct PanelPart {
@@ -243,9 +232,10 @@ impl PanelPart {
             return Ok(pixels.into_iter().flatten().collect());
         };
         let pixel = [index % self.width, index / self.width];
+        let has_points = scene.lights.iter().any(|light| light.position().is_some());
         Err(match fault {
             PathFault::Endless => RenderError::Endless(pixel),
-            PathFault::Infinite if has_points(scene) => RenderError::Divergent(pixel),
+            PathFault::Infinite if has_points => RenderError::Divergent(pixel),
             PathFault::Infinite => RenderError::TooBright(pixel),
             PathFault::Majorant => RenderError::Majorant(pixel),
         })

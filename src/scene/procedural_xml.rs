@@ -232,7 +232,7 @@ fn place(text: &str, element: Node) -> Range<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::files::proptest_failures::failures_in;
+    use crate::files::tests::failures_in;
     use crate::scene::Origin;
     use crate::volume::DensityField;
     use glam::DVec3;

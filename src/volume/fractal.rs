@@ -170,7 +170,7 @@ impl DensityField for FractalDensity {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::files::proptest_failures::failures_in;
+    use crate::files::tests::failures_in;
     use proptest::prelude::*;
 
     /// The parameters of the source's XML block.

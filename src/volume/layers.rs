@@ -148,7 +148,7 @@ fn extremes(bounds: &Aabb, slope: DVec3) -> [DVec3; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::files::proptest_failures::failures_in;
+    use crate::files::tests::failures_in;
     use proptest::prelude::*;
 
     #[test]

@@ -204,7 +204,7 @@ impl Interval {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::files::proptest_failures::failures_in;
+    use crate::files::tests::failures_in;
     use crate::volume::perlin_noise;
     use proptest::prelude::*;
 

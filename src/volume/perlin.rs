@@ -154,7 +154,7 @@ pub(crate) const GRADIENTS: [[f64; 3]; 16] = [
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::files::proptest_failures::failures_in;
+    use crate::files::tests::failures_in;
     use proptest::prelude::*;
 
     #[test]

@@ -384,7 +384,7 @@ fn factors_and_levels_are_said() {
     let golden = folder.film("golden/smoke/shadow.exr");
     folder.write_film("out/smoke/shadow.exr", &scaled(&golden, 1.3));
     let run = folder.volref("validate shadow --outputs out");
-    run.prints(1, "  the image is the golden × 1.300; ");
+    run.prints(1, "  the image is the golden × 1.3000; ");
     // The factor explains it, though it is no mistake of the catalogue.
     assert!(!run.stdout.contains("explains it"), "{}", run.stdout);
 }
