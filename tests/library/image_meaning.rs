@@ -248,10 +248,10 @@ fn infinity_says_where_it_comes_from() {
     })
     .concat();
     insta::assert_snapshot!(said, @r"
-    look for a division by 0, such as by a distance or a probability, or a value beyond the range of the numbers in the file: half floats end at 65504
-    look for a division by 0, such as by a distance or a probability, or a value beyond the range of the numbers in the file: half floats end at 65504
-    look for a division 0/0, such as a vector of length 0 that is normalised
-    look for a division by 0, such as by a distance or a probability, or a value beyond the range of the numbers in the file: half floats end at 65504; the test image was multiplied by 10, the magnitude of its scale
-    NaN: look for a division 0/0, such as a vector of length 0 that is normalised; infinity: look for a division by 0, such as by a distance or a probability, or a value beyond the range of the numbers in the file: half floats end at 65504
+    look for a division by 0, a vector of length 0 that is normalised, or a value beyond the range of the file: half floats end at 65504
+    look for a division by 0, a vector of length 0 that is normalised, or a value beyond the range of the file: half floats end at 65504
+    look for a division by 0, a vector of length 0 that is normalised, or a value beyond the range of the file: half floats end at 65504
+    look for a division by 0, a vector of length 0 that is normalised, or a value beyond the range of the file: half floats end at 65504; the test image was multiplied by 10, the magnitude of its scale
+    look for a division by 0, a vector of length 0 that is normalised, or a value beyond the range of the file: half floats end at 65504
     ");
 }
