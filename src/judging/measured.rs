@@ -188,13 +188,13 @@ mod tests {
 
     #[test]
     fn gains_are_measured() {
-        assert_eq!(said(|x, _| 1.3 * x), "the image is the golden × 1.300");
+        assert_eq!(said(|x, _| 1.3 * x), "the image is the golden × 1.3000");
         let codes = said(|x, _| 255.0 * x);
         assert!(codes.ends_with(": divide the codes by 255"), "{codes}");
         let tint = [1.1, 1.0, 0.9];
         assert_eq!(
             said(|x, c| tint[c] * x),
-            "the image is the golden × 1.100, 1.000, 0.900 in red, green and blue"
+            "the image is the golden × 1.1000, 1.0000, 0.9000 in red, green and blue"
         );
         assert_eq!(said(|x, _| 0.0 * x), "");
         assert_eq!(said(|x, _| if x > 0.4 { 1.3 * x } else { x }), "");

@@ -119,7 +119,7 @@ fn what_is_no_budget() {
         let budget = format!("--budget={budget}");
         let run = folder.volref(&["cost", "cloud.scene.toml", &budget]);
         assert_eq!(run.code, 2, "{budget}");
-        assert_holds(&run.stderr, &["a number of seconds above 0"]);
+        assert_holds(&run.stderr, &["a positive number of seconds"]);
     }
     let run = folder.volref("cost cloud.scene.toml --runs 1");
     assert_holds(&run.stderr, &["one run has no spread"]);
