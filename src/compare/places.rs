@@ -66,7 +66,7 @@ pub fn measured(golden: &Film, test: &Film) -> Vec<String> {
             .then(|| gain(&differences, shares.whole))
             .flatten(),
     );
-    said.extend(at_edges(&differences, &shares));
+    said.extend(places(&differences, &shares));
     // Noise of single lines would decide where the box ends.
     said.extend(in_a_box(
         &differences,
@@ -251,24 +251,35 @@ fn gain(differences: &Differences<'_>, whole: f64) -> Option<String> {
     })
 }
 
-/// Sentence on edges, if they hold clearly more than their share.
-fn at_edges(differences: &Differences<'_>, shares: &Shares) -> Option<String> {
-    let count = differences.golden.radiance().len();
+/// Sentences on the places that hold clearly more than their share.
+fn places(differences: &Differences<'_>, shares: &Shares) -> Vec<String> {
+    let golden = differences.golden;
+    let count = golden.radiance().len();
     let lit: Vec<usize> = (0..count).filter(|&i| differences.is_lit(i)).collect();
     let mut steepness: Vec<f64> = lit.iter().map(|&i| differences.steepness(i)).collect();
     steepness.sort_by(f64::total_cmp);
     let steep = ((1.0 - STEEPEST) * lit.len().saturating_sub(1) as f64) as usize;
     let steep = steepness.get(steep).copied().unwrap_or(0.0);
-    let is_steep = |i: usize| differences.steepness(i) > steep;
-    let due = lit.iter().filter(|&&i| is_steep(i)).count() as f64 / lit.len().max(1) as f64;
-    let share = shares.pixels(differences, &is_steep);
-    (is_clearly_more(share.value, due) && share.is_at_least(due)).then(|| {
-        format!(
-            "{} of the squared relative difference lies at edges: in the fifth of the lit pixels where the golden is \
-             steepest",
-            left(share.value)
-        )
-    })
+    let noise = golden.noise().filter(|noise| !noise.is_known());
+    let said = |place: &str, is: &dyn Fn(usize) -> bool| {
+        let due = lit.iter().filter(|&&i| is(i)).count() as f64 / lit.len().max(1) as f64;
+        let share = shares.pixels(differences, is);
+        let words = || {
+            format!(
+                "{} of the squared relative difference lies {place}",
+                left(share.value)
+            )
+        };
+        (is_clearly_more(share.value, due) && share.is_at_least(due)).then(words)
+    };
+    let edges = "at edges: in the fifth of the lit pixels where the golden is steepest";
+    let silent = "in pixels without noise, such as a lamp or a sky that is seen";
+    let is_silent = |i: usize| noise.is_some_and(|noise| noise.variance()[i] == [0.0; 3]);
+    let found = [
+        said(edges, &|i| differences.steepness(i) > steep),
+        said(silent, &is_silent),
+    ];
+    found.into_iter().flatten().collect()
 }
 
 /// The box that holds all but a few per cent of the squared difference; its sides lie at multiples of `unit` pixels.

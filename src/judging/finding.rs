@@ -175,6 +175,9 @@ impl CheckedGolden {
         if let Some(profile) = &self.profile {
             facts.push(("rendered under the conventions of", profile.clone()));
         }
+        if !of.omitted.concat().is_empty() {
+            facts.push(("leaves out", of.omitted.concat().join(", ")));
+        }
         for (path, hash) in &of.inputs {
             facts.push(("input", format!("{path} ({})", short(hash))));
         }

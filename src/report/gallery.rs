@@ -103,14 +103,15 @@ pub(crate) fn gallery_row(
         let film = evidence.test.as_ref().and_then(Picture::radiance);
         let golden = evidence.golden.as_ref();
         let known = result.known.as_ref();
+        let changes: Vec<_> = result.changes.iter().map(|it| it.words.clone()).collect();
         let shown = context! {
             fault => fault(&result),
             known => known.and_then(|known| known.reason.as_ref()),
             link => known.and_then(|known| known.link.as_ref()),
             bias => golden.and_then(|golden| bias(&result, golden, film, case.exposure)),
-            seconds => evidence.rendering_seconds.map(in_words),
+            seconds => evidence.rendering_seconds.map(|it| format!("{it:.2}")),
             reason => result.reason,
-            lists => [&result.conventions, &result.difference, &changes(&result), &result.notes],
+            lists => [&result.conventions, &result.difference, &changes, &result.notes],
             profile => result.profile,
             picture => image.as_ref().map(|(image, _)| small(image)),
             difference => image.as_ref().and_then(|(_, of)| Some(of.as_ref()?.picture(scale))),
@@ -239,7 +240,7 @@ impl Page<'_> {
             judged => count(Mark::is_judged),
             right => count(Mark::is_right),
             causes => causes.collect::<Vec<_>>(),
-            seconds => median(of.seconds.values().copied()).map(in_words),
+            seconds => median(of.seconds.values().copied()).map(|it| format!("{it:.2}")),
         }
     }
 
@@ -289,16 +290,6 @@ impl Page<'_> {
 fn address(renderer: &GalleryRenderer, row: &GalleryRow) -> String {
     let name = format!("{}/{}", renderer.name(), row.name);
     name.replace(char::is_whitespace, "-")
-}
-
-fn changes(result: &CaseResult) -> Vec<String> {
-    let changes = result.changes.iter();
-    changes.map(|change| change.words.clone()).collect()
-}
-
-fn in_words(seconds: f64) -> String {
-    let digits = if seconds < 0.1 { 3 } else { 2 };
-    format!("{seconds:.digits$}")
 }
 
 fn median(values: impl Iterator<Item = f64>) -> Option<f64> {
