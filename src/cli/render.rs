@@ -119,7 +119,7 @@ pub fn run(mut arguments: Arguments) -> Result<Outcome, Failure> {
     let preview = (format == FilmFormat::Png).then_some(exposure);
     let mut notes = range_notes(&plans);
     notes.extend(warnings.iter().map(ToString::to_string));
-    notes.extend(brightness_note(&film, &plans, preview).filter(|_| warnings.is_empty()));
+    notes.extend(brightness_note(&film, &plans, preview));
     for note in notes {
         text.push_str(&format!("note: {note}\n"));
     }

@@ -212,7 +212,7 @@ fn what_is_not_seen() {
         (
             "mode = \"isosurface\"\nisosurface = [{ value = 7, colour = 1 }]",
             "no ray meets the surface of the value 7: the values of the volume go from 1 to 3",
-            "",
+            "the image is black: no isosurface with an opacity parts the values of the volume, from 1 to 3",
         ),
         (
             "mode = \"isosurface\"\nisosurface = [{ value = 2, colour = 1 }]\nstep = 9",
@@ -222,7 +222,7 @@ fn what_is_not_seen() {
         (
             "mode = \"mean\"\nwindow = { low = 3, high = 4 }",
             "all is black: the window begins at 3, and the values of the volume go from 1 to 3",
-            "",
+            "the image is black",
         ),
         (
             "mode = \"maximum\"\nwindow = { low = -1, high = 0 }",

@@ -86,7 +86,7 @@ fn codes_of_a_png_are_radiance_where_bits_are_declared() {
     let run = validate(&folder, &["--bits", "8-linear", "--report", "page"]);
     assert_eq!(run.code, 1);
     let reason = result(&run)["reason"].to_string();
-    assert!(reason.contains("another exposure (−0."), "{reason}");
+    assert!(reason.contains("another exposure (-0."), "{reason}");
     let page = folder.text("page/index.html");
     assert!(
         page.contains("--bits 8-linear"),

@@ -178,7 +178,7 @@ fn png_images_have_a_limit() {
         let result = judged(pictures);
         assert_eq!(result.verdict, Verdict::Fail, "{}", result.reason);
         assert!(
-            result.reason.contains("another exposure (−1.0"),
+            result.reason.contains("another exposure (-1.0"),
             "{}",
             result.reason
         );
