@@ -234,7 +234,7 @@ def test_arguments_out_of_range(figure, tmp_path):
         (lambda: volref.render(name, spp=0), ValueError, "spp is 0: give a whole number from 1 to"),
         (lambda: volref.render(name, spp=1.5), ValueError, "spp is 1.5: give a whole number"),
         (lambda: volref.render(name, seed=-1), ValueError, "seed is -1: give a whole number from 0 to"),
-        (lambda: volref.render("figure-3", step="x"), volref.VolrefError, "^step is 'x': expected a length"),
+        (lambda: volref.render("figure-3", step="x"), volref.VolrefError, "^step is 'x': expected a positive length"),
         (lambda: volref.render(3), TypeError, "not of type int"),
         (lambda: volref.check("figure-1", figure, explain=-1), ValueError, "explain is -1: give a number of sec"),
         (lambda: volref.check("figure-1", figure, explain="x"), TypeError, "explain is 'x', of type str"),
@@ -508,7 +508,7 @@ def test_where_nothing_can_be_written(tmp_path):
     code = "import volref; (case,) = volref.cases('figure-1'); case.scene(); print(volref.render(case).shape)"
     shown = run(VOLREF_CACHE=nowhere, TMPDIR=tmp_path / "temporary")
     assert shown.stdout == "(256, 256, 4)\n", shown.stderr
-    assert not list((tmp_path / "temporary").iterdir())
+    assert [kept.name for kept in (tmp_path / "temporary").iterdir()] == ["volref"]
     assert "VOLREF_CACHE=DIR" in run(VOLREF_CACHE=nowhere, TMPDIR=nowhere).stderr
 
 
