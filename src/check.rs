@@ -5,12 +5,9 @@ use crate::film::Film;
 use crate::judging::CaseResult;
 use crate::judging::validate::validate;
 use crate::naming::{ConventionSearch, Predictions, Search, likeness};
-use crate::suite::{Output, Suite, SuiteError};
+use crate::suite::{Output, SUITE_VARIABLE, Suite, SuiteError};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
-
-/// Environment variable for the folder of a suite other than volref's own.
-pub const SUITE_VARIABLE: &str = "VOLREF_SUITE";
 
 impl Suite {
     /// The suite of volref, or the one that the environment variable

@@ -359,13 +359,14 @@ fn joined_self_test(
 }
 
 fn contradiction(two: &str, said: &[String; 2]) -> Failure {
-    let message = format!("two {two} contradict each other: {}", said.join(", "));
+    let message = format!("two {two} differ: {}", said.join(", "));
     let help = "the renderer, the images or the machine were not the same: leave out, or remove, the older results";
     Failure::new(Exit::BadInput, message, Some(help))
 }
 
 /// Reason of a case without a result.
-const NO_RESULT: &str = "no result: its part was not run, did not end, or wrote elsewhere";
+const NO_RESULT: &str =
+    "no part wrote a result: run its part, or give merge the folder of its --results";
 
 /// List of the cases without a result, and the reasons.
 fn missing_text(missing: &[(&String, &String)], all: usize) -> String {

@@ -2,9 +2,8 @@
 
 use super::embedded;
 use super::failure::{Exit, Failure};
-use crate::check::SUITE_VARIABLE;
 use crate::files::regular_file::note_input;
-use crate::suite::{Case, Suite, SuiteError};
+use crate::suite::{Case, SUITE_VARIABLE, Suite, SuiteError};
 use std::path::{Path, PathBuf};
 
 /// The selected cases of a suite.

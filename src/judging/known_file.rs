@@ -95,7 +95,7 @@ impl KnownFailures {
             let entry = entry(&document, text_of_name, value, (line, cases))?;
             if entry.reason.trim().is_empty() && !may_lack_reasons {
                 let message = format!("the known failure {text_of_name:?} has no reason");
-                let help = "write in `reason` why the failure is accepted for now: --known-update leaves that to a person";
+                let help = "write in `reason` why the failure is accepted for now: --known-update cannot write reasons";
                 return Err(at_name(message, help.to_owned()));
             }
             for case in &entry.cases {
@@ -206,7 +206,7 @@ impl Entry {
         if result.cause == Cause::None {
             let what = match self.without([&**name].into_iter()) {
                 None => format!("remove the entry [{:?}]", self.name),
-                Some(left) => format!("leave it out: write [{left:?}]"),
+                Some(left) => format!("take it out of the entry: write [{left:?}]"),
             };
             return Some((KnownStatus::Mended, change(format!("passes: {what}"))));
         }
@@ -250,7 +250,7 @@ impl Entry {
         }
         let unwritten = self.unwritten([result].into_iter());
         let words = format!(
-            "has a size that the entry does not bound: write {}",
+            "fails without a bound in the entry: write {}",
             in_words(&unwritten)
         );
         let change = (!unwritten.is_empty()).then(|| change(words)).flatten();

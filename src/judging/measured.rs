@@ -59,7 +59,7 @@ fn in_words(factors: [f64; 3], is_of_png: bool) -> String {
         format!("{r}, {g}, {b} in red, green and blue")
     } else if is_of_png {
         let stops = math::ln(factors[0]) / std::f64::consts::LN_2;
-        format!("{r}, another exposure ({stops:+.2} stops)")
+        format!("{r}, as at another exposure ({stops:+.2} stops)")
     } else if (factors[0] / LARGEST_CODE - 1.0).abs() < 1e-3 {
         format!("{r}: divide the codes by 255")
     } else {
@@ -222,8 +222,8 @@ mod tests {
         };
         // Codes are rounded: 0.1 % of a mean over 2304 values.
         assert!(said(&|x| 0.5 * x).starts_with("the image is the golden × 0.5"));
-        assert!(said(&|x| 0.5 * x).ends_with(", another exposure (-1.00 stops)"));
-        assert!(said(&|x| 4.0 * x).ends_with(", another exposure (+2.00 stops)"));
+        assert!(said(&|x| 0.5 * x).ends_with(", as at another exposure (-1.00 stops)"));
+        assert!(said(&|x| 4.0 * x).ends_with(", as at another exposure (+2.00 stops)"));
         assert_eq!(said(&|x| if x > 0.4 { 0.5 * x } else { x }), "");
         assert_eq!(said(&|_| 0.0), "");
     }

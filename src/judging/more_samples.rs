@@ -175,13 +175,13 @@ impl MoreSamples<'_> {
             let left = end.saturating_duration_since(Instant::now()).as_secs_f64();
             if seconds > left {
                 it.given_up = Some(format!(
-                    "a next look, at {target} samples per pixel, would take about {seconds:.1} s, and {left:.1} s of \
+                    "rendering {target} samples per pixel would take about {seconds:.1} s, but only {left:.1} s of \
                      the budget are left"
                 ));
                 continue;
             }
             (self.note)(&format!(
-                "{}: look {}, about {target} samples per pixel may decide, {seconds:.0} s; {left:.0} s of the \
+                "{}: look {}: rendering about {target} samples per pixel, {seconds:.0} s; {left:.0} s of the \
                  budget left",
                 it.case.name,
                 it.looks.count() + 1,

@@ -1,4 +1,4 @@
-//! From a failing image to the likely mistake, convention or number.
+//! From a failing image to the likely mistake, convention or parameter, with the verdict that follows.
 
 pub(crate) mod convention_search;
 pub(crate) mod likeness;

@@ -9,8 +9,9 @@
 //! ```
 //!
 //! Over each step of length `h`, colour and extinction are taken as constant, with their values at
-//! its midpoint. The transfer function states the opacity `a₀ = 1 − exp(−σ h₀)` of each density `d`
-//! over a reference length `h₀`; the opacity `a` over a step follows from it:
+//! its midpoint. There the field has a value, interpolated between the nodes; it is the density `d`, or maps to it by
+//! the scene's `range`. The transfer function states the opacity `a₀ = 1 − exp(−σ h₀)` of each density over a
+//! reference length `h₀`; the opacity `a` over a step follows from it:
 //!
 //! ```text
 //! L = Σᵢ cᵢ aᵢ Tᵢ + B Tₙ,     Tᵢ = Π (1 − aⱼ) over j < i,     a = 1 − (1 − a₀)^(h/h₀)
@@ -20,10 +21,11 @@
 //! `shade` is Phong's model, if the scene asks for it, in the light of a point without fall-off. Its normal
 //! points against the density gradient: central differences at the nodes, interpolated like the density;
 //! a node of the border takes the gradient of the nearest inner one, and a sample without a gradient keeps
-//! its colour. `emission` is a factor on that, the highlight and the ambient term included. `visibility` is
-//! the transmittance from the light to the sample; it dims the ambient term, too. Transfer functions come
-//! in two forms. A shadow has a step `h′` and a reference length `h₀′` of its own, and `a′` follows from `a₀` by
-//! them: `a′ = 1 − (1 − a₀)^(h′/h₀′)`.
+//! its colour. `emission` multiplies the shaded colour, the highlight and the ambient term included. `visibility` is
+//! the transmittance from the light to the sample; it dims the ambient term, too. A shadow has a step `h′` and a
+//! reference length `h₀′` of its own, and `a′` follows from `a₀` by them: `a′ = 1 − (1 − a₀)^(h′/h₀′)`.
+//!
+//! Transfer functions come in two forms:
 //!
 //! ```text
 //!                       a₀(d)                                 emission(d)   visibility
@@ -33,11 +35,16 @@
 //!
 //! The formula is that of a ray-casting assignment: the scene gives `f`, the value of `exp(−d²)` at
 //! which the volume becomes fully opaque. The assignment defines `S = Σ d h′/h₀′`, which is not the optical
-//! depth of `σ`.
+//! depth of `σ`, and the constant 100. Only negative densities need the `min`: they would make light.
+//!
+//! A scene may composite front to back, back to front, or end a ray early, where the transmittance falls below a
+//! threshold.
 //!
 //! A volume may be placed in the world by an affine map. The formulas are those of a volume without one; where a
 //! map matters the code calls `placement.rs`.
-//! Several volumes, surfaces and clips in one picture are the matter of `several_volumes.rs`.
+//! `several_volumes.rs` renders several volumes, surfaces and clips in one picture. The parts of the physics are
+//! short files: `volume/interpolation.rs` ([`Cell`] is the eight nodes around a point), `volume/node_line.rs` (a line
+//! in node coordinates), `volume/gradient.rs`, `optics/transfer_function.rs`, `optics/opacity.rs` and `optics/phong.rs`.
 //!
 //! Other renderers differ from this in conventions, and a scene may state theirs: those are rendered
 //! by the loop of [`conventions::RayCaster`](crate::conventions::RayCaster).
@@ -74,12 +81,13 @@ pub fn render(scene: &Classified, [width, height]: [usize; 2]) -> Film {
 
 pub(super) struct RayCaster<'s> {
     pub(super) scene: &'s Classified,
-    /// Density gradients in the world at the nodes, all times one factor, about a voxel, so that they fit into `f32`
-    /// whatever the size of the volume: shading uses their directions alone.
+    /// Density gradients in the world at the nodes, scaled by one common factor, about a voxel, to fit `f32` whatever
+    /// the size of the volume: shading uses their directions alone.
     pub(super) gradients: Grid<[f32; 3]>,
 }
 
-/// Samples of a ray, composited.
+/// Samples of a ray, composited. [`crate::optics::Layer`] does the same; it is written again here, so that this file
+/// can be read alone.
 pub(super) struct Layer {
     /// Associated colour: multiplied by opacity.
     pub(super) colour: DVec3,
@@ -130,16 +138,16 @@ impl RayCaster<'_> {
             let (t, length) = midpoint(span, scene.step, count, index);
             let node_point = line.at(t);
             let cell = Cell::around(lattice, node_point);
-            let density = scene.interpolation.read(&*scene.grid, &cell);
-            let opacity = scene.transfer_function.opacity(density, length);
+            let value = scene.interpolation.read(&*scene.grid, &cell);
+            let opacity = scene.transfer_function.opacity(value, length);
             if opacity == 0.0 {
                 continue; // nothing to add, whatever its colour
             }
             let point = ray.at(t);
             let light =
-                scene.transfer_function.emission(density) * self.visibility(point, node_point);
+                scene.transfer_function.emission(value) * self.visibility(point, node_point);
             let sample = Layer {
-                colour: self.shade(ray, point, &cell, density) * light * opacity,
+                colour: self.shade(ray, point, &cell, value) * light * opacity,
                 opacity,
                 transparency: 1.0 - opacity,
             };
@@ -151,15 +159,15 @@ impl RayCaster<'_> {
             if let Compositing::EarlyTermination(threshold) = scene.compositing
                 && seen.transparency < threshold
             {
-                break; // what still passes shows the background
+                break; // the rest counts as background
             }
         }
         seen
     }
 
-    /// Colour of a sample of `density` at `point`, lit by Phong's model where the scene has one.
-    pub(super) fn shade(&self, ray: &Ray, point: DVec3, cell: &Cell, density: f64) -> DVec3 {
-        let colour = self.scene.transfer_function.colour(density);
+    /// Colour of a sample of `value` at `point`, lit by Phong's model where the scene has one.
+    pub(super) fn shade(&self, ray: &Ray, point: DVec3, cell: &Cell, value: f64) -> DVec3 {
+        let colour = self.scene.transfer_function.colour(value);
         let Some(phong) = &self.scene.phong else {
             return colour;
         };
@@ -168,8 +176,10 @@ impl RayCaster<'_> {
         phong.shade(colour, gradient, to_light, -ray.direction)
     }
 
-    /// Visibility of the light from `point`; 1 where the scene has no shadow, at the light itself, to which there is
-    /// no ray, and where rounding puts the sample outside the volume.
+    /// Visibility of the light from `point`. It is 1:
+    /// - where the scene has no shadow;
+    /// - at the light itself, to which there is no ray;
+    /// - where rounding puts the sample outside the volume.
     fn visibility(&self, point: DVec3, node_point: NodePoint) -> f64 {
         let (scene, lattice) = (self.scene, self.scene.grid.lattice());
         let to_light = scene.light - point;
@@ -200,11 +210,11 @@ impl RayCaster<'_> {
                 let sum: f64 = samples
                     .map(|(value, length)| scene.transfer_function.density(value) * length)
                     .sum();
-                exp(-(sum / shadow.reference_step) / 100.0).min(1.0) // negative densities would make light
+                exp(-(sum / shadow.reference_step) / 100.0).min(1.0)
             }
             Appearance::Points(points) => samples
-                .map(|(density, length)| {
-                    1.0 - over_length(points.opacity(density), length / shadow.reference_step)
+                .map(|(value, length)| {
+                    1.0 - over_length(points.opacity(value), length / shadow.reference_step)
                 })
                 .product(),
         }

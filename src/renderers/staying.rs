@@ -166,10 +166,9 @@ fn answer(
     let one_line = |words: &str| plain(&words.replace('\n', " "));
     match serde_json::from_str(&line).map(|it: Answer| (it.image, it.error, it.cannot)) {
         Ok((Some(image), None, None)) if image == output => Ok(None),
-        Ok((Some(image), None, None)) => wrong(format!(
-            "answered with the image {}, and was asked for {output}",
-            one_line(&image)
-        )),
+        Ok((Some(image), None, None)) => {
+            wrong(format!("wrote {} instead of {output}", one_line(&image)))
+        }
         Ok((None, Some(words), None)) => Ok(Some(Output::Unusable(format!(
             "the renderer failed: {}",
             one_line(&words)

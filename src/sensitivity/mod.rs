@@ -1,4 +1,4 @@
-//! Sensitivities: the derivative of every pixel by a number of the scene.
+//! Sensitivities: the derivative of every pixel by a parameter of the scene.
 //!
 //! `number` is a number and how it is changed, `numbers` lists those of a scene, `derivative`
 //! differentiates.

@@ -674,8 +674,8 @@ fn read_answer(reader: &Reader, is_stochastic: bool) -> SceneResult<Option<Answe
             Err(reader.error("answer_within", message))
         }
         (Some(_), Some(_)) if is_stochastic => {
-            let message = "the answer of a stochastic case is held to four standard errors: leave \
-                           `answer_within` out";
+            let message = "volref tests the answer of a stochastic case to four standard errors: remove \
+                           `answer_within`";
             Err(reader.error("answer_within", message))
         }
         (Some(radiance), None) if is_stochastic => Ok(Some(Answer::InTheMean(radiance))),

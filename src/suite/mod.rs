@@ -1,4 +1,4 @@
-//! Cases and goldens, and their use by `verify`, `validate` and `accept`.
+//! Cases and goldens: their files, and how each is rendered.
 
 pub(crate) mod answer;
 pub(crate) mod case;
@@ -27,3 +27,6 @@ pub use outputs::{Found, Output, OutputError, Outputs, UnknownFile, image_path};
 pub(crate) use outputs::{NOT_RENDERED, entries, refusal, step_name};
 pub(crate) use sensitivities::sensitivities_of;
 pub use store::{Store, StoreError};
+
+/// Environment variable for the folder of a suite other than volref's own.
+pub const SUITE_VARIABLE: &str = "VOLREF_SUITE";

@@ -169,7 +169,7 @@ impl Outputs {
             let gap = numbered.find(|((number, _), expected)| number != expected);
             if let Some(((_, file), missing)) = gap {
                 return unclear(format!(
-                    "there is a replicate {} but none with the number {missing}: number them without a gap from 0 or 1",
+                    "there is the rendering {} but none with the number {missing}: number them from 0 or 1 without gaps",
                     file.display()
                 ));
             }
@@ -178,7 +178,7 @@ impl Outputs {
             && images.len() != 1
         {
             return unclear(format!(
-                "{} belongs to a single image, and there are {}",
+                "{} belongs to a single image, but there are {}",
                 file.display(),
                 images.len()
             ));
@@ -332,7 +332,7 @@ fn role_of_step(case: &str, factor: &str) -> Result<Role, String> {
     match halvings {
         Some(halvings) => Ok(Role::Step(halvings)),
         None => Err(format!(
-            "is not read: {factor:?} is none of the factors of the step; name the images {case}.exr, {}.exr, {}.exr",
+            "is not read: {factor:?} is no factor of the step (1, 0.5, 0.25, …); name the images {case}.exr, {}.exr, {}.exr",
             step_name(case, 1),
             step_name(case, 2)
         )),

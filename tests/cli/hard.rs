@@ -101,7 +101,7 @@ fn answers_that_say_too_little_or_too_much() {
     fixtures/cases/hard/g4-inside.toml:5:17: `answer_within` without an `answer` help: `answer_within`: Deterministic cases with an `answer`, and required there: how far from it a pixel may be, relative to it.
     fixtures/cases/hard/g4-inside.toml:5:10: `answer` must be finite and at least 0 in every channel, got [-1, -1, -1] help: `answer`: Radiance that every pixel has, where it is known beforehand. `volref verify` compares the image with it, beside the golden; of a stochastic case the golden itself, in the mean of the whole image, to four standard errors. `volref validate` compares images that state their noise with it, in place of the golden.
     fixtures/cases/hard/g4-inside.toml:6:17: `answer_within` must lie in (0, 1), got 1 help: `answer_within`: Deterministic cases with an `answer`, and required there: how far from it a pixel may be, relative to it.
-    fixtures/cases/hard/g4-inside.toml:7:17: the answer of a stochastic case is held to four standard errors: leave `answer_within` out help: `answer_within`: Deterministic cases with an `answer`, and required there: how far from it a pixel may be, relative to it.
+    fixtures/cases/hard/g4-inside.toml:7:17: volref tests the answer of a stochastic case to four standard errors: remove `answer_within` help: `answer_within`: Deterministic cases with an `answer`, and required there: how far from it a pixel may be, relative to it.
     "#);
 }
 

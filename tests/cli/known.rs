@@ -222,7 +222,7 @@ fn the_share_of_the_image_is_bounded_too() {
     validate("--known-update").expect(0, "");
     assert!(!folder.text("known.toml").contains("share"));
     darken(&folder, "smoke/shadow", 0.5);
-    let told = "known.toml:1: smoke/shadow has a size that the entry does not bound: write bound = 27.9, share = 0.134";
+    let told = "known.toml:1: smoke/shadow fails without a bound in the entry: write bound = 27.9, share = 0.134";
     validate("").prints(0, &[told]);
     validate("--known-update").expect(0, "");
     let written = folder.text("known.toml");

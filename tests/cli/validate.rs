@@ -909,8 +909,8 @@ fn sequences_of_steps_are_judged_by_their_limit() {
     }
     // Steps that do not shrink, and a case that states its step.
     for (name, said) in [
-        ("limit/cloud@2.exr", "none of the factors"),
-        ("limit/cloud@0.3.exr", "none of the factors"),
+        ("limit/cloud@2.exr", "is no factor of the step"),
+        ("limit/cloud@0.3.exr", "is no factor of the step"),
     ] {
         folder.write(&format!("out/{name}"), &images[0]);
         let run = folder.volref("validate limit --explain 0 --outputs out");

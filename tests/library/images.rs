@@ -490,7 +490,7 @@ fn images_are_found_by_case() {
     );
     let alone = found(&["fog/forward.depth.npy"], f).unwrap_err();
     assert!(
-        alone.contains("belongs to a single image, and there are 0"),
+        alone.contains("belongs to a single image, but there are 0"),
         "{alone}"
     );
     assert_eq!(found(&[], f), Ok(None));
@@ -553,10 +553,10 @@ fn files_that_contradict_each_other() {
     fog/forward: both fog/forward.exr and forward.exr could be its image: keep one of them
     fog/forward: both fog/forward.exr and fog/forward.0.exr could be its image: keep one of them
     fog/forward: both fog/forward.0.exr and fog/forward.00.exr could be its image: keep one of them
-    fog/forward: there is a replicate fog/forward.2.exr but none with the number 1: number them without a gap from 0 or 1
-    fog/forward: there is a replicate fog/forward.2.exr but none with the number 1: number them without a gap from 0 or 1
-    fog/forward: fog/forward.variance.exr belongs to a single image, and there are 0
-    fog/forward: forward.variance.exr belongs to a single image, and there are 2
+    fog/forward: there is the rendering fog/forward.2.exr but none with the number 1: number them from 0 or 1 without gaps
+    fog/forward: there is the rendering fog/forward.2.exr but none with the number 1: number them from 0 or 1 without gaps
+    fog/forward: fog/forward.variance.exr belongs to a single image, but there are 0
+    fog/forward: forward.variance.exr belongs to a single image, but there are 2
     "#);
     let nowhere = Outputs::list(Path::new("no such folder"), &CASES);
     let said = nowhere.unwrap_err().to_string();

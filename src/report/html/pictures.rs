@@ -13,13 +13,13 @@ const MOST_PIXELS: usize = 1 << 22;
 /// Browsers draw no larger ones.
 const MOST_SIDE: usize = 1 << 14;
 
-/// What there is to look at, of images that can be shown.
+/// The images of a case that the page can show.
 pub(super) struct Views<'a> {
     pub(super) golden: Option<&'a Film>,
     pub(super) test: Option<&'a Picture>,
     /// Both, where they are of one size.
     pair: Option<(&'a Film, &'a Picture)>,
-    /// Stops at which they are shown first.
+    /// Initial exposure, in stops.
     pub(super) exposure: f64,
     /// Remarks on the images, in words.
     pub(super) notes: Vec<String>,
