@@ -32,6 +32,7 @@ campaign() {
 
 # One line each; a campaign of your own is one more.
 campaign "licences, sources and duplicates of dependencies" cargo deny check bans licenses sources
+campaign "the smoke cloud is what its generator makes" scripts/generate-smoke.sh --check
 campaign "the same bits from every build" scripts/same-bits.sh
 campaign "the same bits on aarch64" scripts/same-bits.sh --architecture aarch64
 campaign "the same bits on s390x, most significant byte first" scripts/same-bits.sh --architecture s390x

@@ -6,8 +6,6 @@
 #
 #   scripts/same-bits.sh              the whole suite
 #   scripts/same-bits.sh FILTER…      these cases (see volref verify --help)
-#   scripts/same-bits.sh --built …    debug and release as they were built last, and no third build:
-#                                     of check.sh, whose debug build is for this very processor
 #   scripts/same-bits.sh --architecture NAME …
 #                                     release here against release on another architecture, where
 #                                     tests are run as well (scripts/other-architecture.sh)
@@ -17,12 +15,10 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-built=no
 architecture=
-case ${1-} in
-    --built) built=yes && shift ;;
-    --architecture) architecture=${2:?--architecture NAME: aarch64, s390x, …} && shift 2 ;;
-esac
+if [ "${1-}" = --architecture ]; then
+    architecture=${2:?--architecture NAME: aarch64, s390x, …} && shift 2
+fi
 filters=("$@")
 hashes=$(mktemp -d)
 trap 'rm -rf "$hashes"' EXIT
@@ -68,14 +64,12 @@ if [ -n "$architecture" ]; then
     say "tests on $architecture"
     scripts/other-architecture.sh test "$architecture" || odd=1
 else
-    if [ $built = no ]; then
-        cargo build --quiet
-        cargo build --quiet --release
-        CARGO_TARGET_DIR=target/native RUSTFLAGS="${RUSTFLAGS:-} -C target-cpu=native" cargo build --quiet --release
-    fi
+    cargo build --quiet
+    cargo build --quiet --release
+    CARGO_TARGET_DIR=target/native RUSTFLAGS="${RUSTFLAGS:-} -C target-cpu=native" cargo build --quiet --release
     try debug target/debug/volref
     try release target/release/volref
-    [ $built = yes ] || try native target/native/release/volref
+    try native target/native/release/volref
     try one-thread target/release/volref --threads 1
     try five-threads target/release/volref --threads 5
 fi

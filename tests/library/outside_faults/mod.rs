@@ -237,7 +237,7 @@ fn a_name_is_right_or_there_is_none() {
     let (suite, predictions) = (suite(), Predictions::default());
     let search = uninterrupted(None, &predictions);
     let faults = faults(&suite);
-    for (name, named, described, words) in IN_EVERY_RUN.into_iter().step_by(tries(2, 1)) {
+    for (name, named, described, words) in IN_EVERY_RUN.into_iter().step_by(tries(3, 1)) {
         let fault = faults.iter().find(|fault| fault.name == name).unwrap();
         let judged = verdict(fault, &suite, 16, None, &search);
         assert!(judged.is_caught(), "{name}: {}", judged.text);
@@ -411,11 +411,11 @@ fn mistakes_of_the_catalogue_are_named_first() {
 /// Filters hide in blocks and noise that neighbours share; a shift by a pixel and one of two mistakes with nearly the same
 /// image take the noise's measure of what is left.
 #[test]
+#[ignore = "a minute: scripts/nightly.sh"]
 fn mistakes_that_noise_hides_are_named() {
     let (suite, predictions) = (suite(), Predictions::default());
     let search = uninterrupted(Some(Duration::from_secs(10)), &predictions);
     let hidden = ["half-resolution", "one-pixel-left", "lights-counted-twice"];
-    let hidden = &hidden[..tries(1, 3)];
     hidden.par_iter().for_each(|name| {
         let result = result_of_mistake(&suite, "smoke/cornell", name, (16, 1), &search).unwrap();
         let first = result.looks_like.first().map(String::as_str);

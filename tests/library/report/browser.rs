@@ -301,7 +301,7 @@ fn every_case_opens_in_every_view() {
         return;
     };
     let mut opened = BTreeSet::new();
-    let every = tries(4, 1);
+    let every = tries(8, 1);
     for place in (0..sample.results.len()).step_by(every) {
         let article = format!("document.querySelectorAll('article')[{place}]");
         browser.run(&format!("location.hash = encodeURIComponent({article}.id)"));
