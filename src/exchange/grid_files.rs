@@ -41,7 +41,8 @@ fn only_grid(scene: &Scene, format: Format) -> Result<&Grid<f32>, Refusal> {
     let mut grids: Vec<&Arc<Grid<f32>>> = Vec::new();
     for panel in &scene.panels {
         if panel.classified().is_none() {
-            let what = "one without a classified volume: media go to `bundle`, `mitsuba` or `pbrt`";
+            let what =
+                "this one has no classified volume; export media to `bundle`, `mitsuba` or `pbrt`";
             return Err(refusal(what));
         }
         grids.extend(panel.model.grids());

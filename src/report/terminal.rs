@@ -75,7 +75,10 @@ pub fn verdict_text(result: &CaseResult, widest: usize) -> String {
     if result.verdict != Verdict::Pass {
         below.extend(result.reason.lines().map(str::to_owned));
     }
-    let accepts = "--accept-conventions accepts it";
+    let accepts = match result.verdict {
+        Verdict::Convention => "--accept-conventions accepts it",
+        _ => "--accept-conventions accepted it",
+    };
     let profile = result.profile.as_deref();
     match (profile, profile.and_then(Profile::shipped_name)) {
         (_, Some(name)) => below.push(format!("{accepts}; --as {name} judges by that profile")),

@@ -195,7 +195,7 @@ fn grids_alone() {
     let run = folder.volref("export fog.toml --to nrrd -o out");
     run.expect(
         2,
-        "nrrd cannot represent panel: one without a classified volume",
+        "nrrd cannot represent panel: this one has no classified volume",
     );
     folder.write(
         "both.toml",
