@@ -7,7 +7,7 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 cargo build --quiet --release
 volref=${CARGO_TARGET_DIR:-$PWD/target}/release/volref
-golden=$PWD/golden/hard/s10-coloured-furnace.exr
+golden=$PWD/golden/hard/g9-white-things-far-away.exr
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 # accept writes to a copy.
@@ -23,7 +23,7 @@ timeless='.cases[].seconds = 0'
 diff <(jq "$timeless" joined.json) <(jq "$timeless" whole.json)
 echo "$(jq '.cases | length' whole.json) cases verified by four processes: the results of one"
 
-rm golden/hard/s10-coloured-furnace.* && rm -r .volref
-timeout --signal=KILL 3 "$volref" accept s10-coloured-furnace --reason 'killed' >/dev/null 2>&1 || true
-"$volref" accept s10-coloured-furnace --reason 'again'
-cmp golden/hard/s10-coloured-furnace.exr "$golden"
+rm golden/hard/g9-white-things-far-away.* && rm -r .volref
+timeout --signal=KILL 1 "$volref" accept g9-white-things-far-away --reason 'killed' >/dev/null 2>&1 || true
+"$volref" accept g9-white-things-far-away --reason 'again'
+cmp golden/hard/g9-white-things-far-away.exr "$golden"
