@@ -1,7 +1,7 @@
 //! The loop along one ray through a classified volume.
 //!
-//! The method is that of `src/reference/ray_caster.rs`, which states it, and so are all bits: this file adds leaps over
-//! transparent blocks ([`EmptySpace`]) and counts its work.
+//! `src/reference/ray_caster.rs` states the method, and this file gives the same bits. It adds leaps over transparent
+//! blocks ([`EmptySpace`]), computes opacities of several samples together, and counts its work.
 //!
 //! Source: Levoy 1988, "Display of surfaces from volume data"; Max 1995, "Optical models for
 //! direct volume rendering".
@@ -59,7 +59,7 @@ struct Sample {
     /// Distance from the origin of the ray, world units.
     t: f64,
     /// Length of its step, relative to the reference length of the opacity.
-    length: f64,
+    relative_length: f64,
     value: f64,
     /// Over the reference length.
     opacity: f64,
@@ -74,7 +74,7 @@ struct Walk {
     reach: f64,
     /// From the end to the beginning.
     is_reversed: bool,
-    /// Number of steps that are behind.
+    /// Number of steps taken.
     done: usize,
     /// True where the sample before was transparent.
     in_empty_space: bool,
@@ -124,7 +124,11 @@ impl<'s> RayCaster<'s> {
         let mut batch = [Sample::default(); BATCH];
         loop {
             let count = self.fill(&mut batch, &mut walk, work);
-            let opacities = over_lengths(batch.map(|it| it.opacity), batch.map(|it| it.length));
+            // Entries from `count` on are old, and what they give is ignored.
+            let opacities = over_lengths(
+                batch.map(|it| it.opacity),
+                batch.map(|it| it.relative_length),
+            );
             for (sample, opacity) in batch[..count].iter().zip(opacities) {
                 let radiance = self.radiance(ray, &walk.line, sample, work);
                 let sample = Layer::sample(radiance * opacity, opacity);
@@ -159,7 +163,7 @@ impl<'s> RayCaster<'s> {
             if opacity != 0.0 {
                 batch[count] = Sample {
                     t,
-                    length: length / transfer_function.reference_length,
+                    relative_length: length / transfer_function.reference_length,
                     value,
                     opacity,
                     colour,
@@ -171,8 +175,8 @@ impl<'s> RayCaster<'s> {
         count
     }
 
-    /// Distance of the next sample of a walk, the length of its step, and its value: that of a sample which may be seen.
-    // Always, as what it calls: with a call for each sample an unshaded scan took a quarter more time.
+    /// The next sample of a walk that is not known to be transparent: its distance, the length of its step, its value.
+    // Inlined, like its callees: with a call for each sample an unshaded scan took a quarter more time.
     #[inline(always)]
     fn next(&self, walk: &mut Walk, work: &mut Counters) -> Option<(f64, f64, f64)> {
         let all = walk.steps.count();
@@ -236,7 +240,7 @@ impl<'s> RayCaster<'s> {
     /// Visibility of the light from `point`, in [0, 1].
     pub fn visibility(&self, point: DVec3, node_point: NodePoint, work: &mut Counters) -> f64 {
         let to_light = self.scene.light - point;
-        // A direction takes a root and a division: only where there is a shadow.
+        // `Ray::new` normalises the direction, which takes time: only where there is a shadow.
         let with_ray = |shadow| Some((shadow, Ray::new(point, to_light)?));
         let Some((shadow, ray)) = self.shadow.and_then(with_ray) else {
             return 1.0;
