@@ -10,7 +10,7 @@ mod effects;
 pub(super) mod images;
 mod profile_text;
 
-use super::likeness::{self, Predictions, Search, SearchClock, SearchStep};
+use super::diagnosis::{self, Predictions, Search, SearchClock, SearchStep};
 use super::shipped_profile::{self, NamedProfile};
 use crate::conventions::{CATALOGUE, ConventionSet, STEP};
 use crate::film::Film;
@@ -122,7 +122,7 @@ impl<'s> ConventionSearch<'s> {
 
     /// Replaces a mismatch that other conventions explain by that verdict: a pass if they are
     /// `accepted`. The search takes at most half as much work as two cores do in `seconds`, and a note says so of one
-    /// that needs more: on any machine the same. A later [search for mistakes](super::likeness) has the rest.
+    /// that needs more: on any machine the same. A later [search for mistakes](super::diagnosis) has the rest.
     ///
     /// For an image of 8 bits, the shipped [profiles](crate::conventions::Profile::shipped) are tried first, as they are: the search
     /// does not vary the roundings that they state.
@@ -162,7 +162,7 @@ impl<'s> ConventionSearch<'s> {
         // A plainer cause has all of the work for the case.
         let search = self.within(Some(seconds), &predictions);
         if let Some(explained) = &found
-            && (explained.is_plain() || !likeness::is_plainly_explained(case, judged, &search))
+            && (explained.is_plain() || !diagnosis::is_plainly_explained(case, judged, &search))
         {
             explained.explain(&mut judged.result, accepted);
         }

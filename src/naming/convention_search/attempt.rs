@@ -13,7 +13,7 @@ use crate::conventions::{CATALOGUE, Convention, ConventionSet, Profile, STEP, un
 use crate::film::Film;
 use crate::judging::nothing_drawn::background;
 use crate::math::{Sum, powu};
-use crate::naming::likeness::{Stage, lattice_of, pixels_of};
+use crate::naming::diagnosis::{Stage, lattice_of, pixels_of};
 use crate::render::Detail;
 use crate::scene::{Classified, Compositing, Conventions, Panel, Scene};
 use rayon::prelude::*;

@@ -2,7 +2,7 @@
 
 use crate::conventions::{NodeGradients, RayCaster, under};
 use crate::film::Film;
-use crate::naming::likeness::SearchClock;
+use crate::naming::diagnosis::SearchClock;
 use crate::render::Detail;
 use crate::scene::{Panel, Scene};
 use rayon::prelude::*;

@@ -22,7 +22,7 @@ pub use predictions::Predictions;
 pub(super) use predictor::{lattice_of, pixels_of};
 
 use crate::conventions::Profile;
-use crate::judging::{CaseResult, Judged, Likeness, Verdict};
+use crate::judging::{CaseResult, Judged, LikelyMistake, Verdict};
 use crate::suite::Case;
 use crate::variations::mistakes;
 use compared_case::ComparedCase;
@@ -48,9 +48,9 @@ const MOST_NAMED: usize = 5;
 
 /// Results of a search for mistakes.
 #[derive(Clone, Debug, Default)]
-pub struct Likenesses {
+pub struct Diagnosis {
     /// Likely mistakes, most likely first.
-    pub likely: Vec<Likeness>,
+    pub likely: Vec<LikelyMistake>,
     /// Number of cases searched, completely or not.
     pub searched: usize,
     /// Searches that were ended before they were done.
@@ -59,33 +59,33 @@ pub struct Likenesses {
     pub unexplained: Vec<CaseResult>,
 }
 
-impl Likenesses {
+impl Diagnosis {
     /// What searches have left in `results`, each judged by itself.
-    pub fn of_results(results: &[CaseResult]) -> Likenesses {
+    pub fn of_results(results: &[CaseResult]) -> Diagnosis {
         let failed = results.iter().filter(|it| it.verdict == Verdict::Fail);
         let searched = failed.filter(|it| it.search_ended == Some(true));
         let unexplained = searched.clone().filter(|it| it.looks_like.is_empty());
-        Likenesses {
+        Diagnosis {
             likely: likely(results.iter()),
             searched: searched.count(),
             unexplained: unexplained.cloned().collect(),
-            ..Likenesses::default()
+            ..Diagnosis::default()
         }
     }
 }
 
 /// The mistakes that `results` look like, first those that explain most cases.
-fn likely<'r>(results: impl Iterator<Item = &'r CaseResult>) -> Vec<Likeness> {
+fn likely<'r>(results: impl Iterator<Item = &'r CaseResult>) -> Vec<LikelyMistake> {
     let failed = results.filter(|it| it.verdict == Verdict::Fail);
     let searched: Vec<&CaseResult> = failed.filter(|it| it.search_ended.is_some()).collect();
-    let mut likely: Vec<Likeness> = Vec::new();
+    let mut likely: Vec<LikelyMistake> = Vec::new();
     for result in &searched {
         for name in &result.looks_like {
             let at = likely.iter().position(|known| known.mistake == *name);
             let at = at.unwrap_or_else(|| {
                 let parts = name.split(" + ").filter_map(mistakes::named);
                 let advice: Vec<&str> = parts.map(|mistake| mistake.advice).collect();
-                likely.push(Likeness {
+                likely.push(LikelyMistake {
                     mistake: name.clone(),
                     advice: advice.join("; and "),
                     explains: 0,
@@ -106,12 +106,12 @@ fn likely<'r>(results: impl Iterator<Item = &'r CaseResult>) -> Vec<Likeness> {
 /// Names the likely mistakes behind the failed images in `judged`: in `looks_like` of each result,
 /// and for all together, most likely first. Mistakes are made in scenes under the `profile` by which the images were
 /// judged.
-pub fn likeness(
+pub fn diagnosis(
     cases: &[&Case],
     profile: Option<&Profile>,
     judged: &mut [Judged],
     search: &Search<'_>,
-) -> Likenesses {
+) -> Diagnosis {
     let scenes = |case: &Case| {
         let scene = case.load_scene().ok()?;
         let under = profile.and_then(|profile| profile.applied_to(&scene).ok().flatten());
@@ -125,16 +125,16 @@ pub fn likeness(
             failing.extend(ComparedCase::new(index, case, judged, &scenes));
         }
     }
-    let mut diagnosis = Diagnosis::default();
+    let mut findings = Findings::default();
     for at in 0..failing.len() {
-        diagnosis.search(&failing, at, search);
+        findings.search(&failing, at, search);
     }
-    let Diagnosis {
+    let Findings {
         explanations,
         close,
         mut fitted,
         unfinished,
-    } = diagnosis;
+    } = findings;
     let mut explanations: Vec<_> = explanations.into_iter().collect();
     // Many cases first, then one mistake rather than two, small distances, and the order of the catalogue.
     explanations.sort_by_cached_key(|(hypothesis, left)| {
@@ -165,7 +165,7 @@ pub fn likeness(
             result.difference = fit.sentence.into_iter().collect();
         }
     }
-    Likenesses {
+    Diagnosis {
         likely: likely(judged.iter().map(|it| &it.result)),
         searched: failing.len(),
         unfinished,
@@ -175,7 +175,7 @@ pub fn likeness(
 
 /// Findings on failing cases, by index of the result.
 #[derive(Default)]
-struct Diagnosis {
+struct Findings {
     /// What each hypothesis leaves of the differences that it explains.
     explanations: BTreeMap<Hypothesis, BTreeMap<usize, f64>>,
     /// The nearest mistake that does not explain a case, in words.
@@ -184,7 +184,7 @@ struct Diagnosis {
     unfinished: Vec<SearchStep>,
 }
 
-impl Diagnosis {
+impl Findings {
     /// Searches the mistakes behind the failing case `at`, and fits parameters where there are none.
     fn search(&mut self, failing: &[ComparedCase], at: usize, search: &Search<'_>) {
         let failed = &failing[at];
