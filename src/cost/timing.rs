@@ -42,8 +42,8 @@ pub struct Machine {
 /// Work to be timed.
 pub type Task<'a> = Box<dyn Fn() + Sync + 'a>;
 
-/// Time measurement; counts of work and errors do not need it.
-#[derive(Clone, Copy, Debug)]
+/// Time measurement; counts of work and errors do not need it. By default no timings and no time limit.
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Clock {
     /// Runs of each setting; 0 for no timings.
     pub runs: usize,
@@ -52,12 +52,6 @@ pub struct Clock {
 }
 
 impl Clock {
-    /// No timings and no time limit.
-    pub const NONE: Clock = Clock {
-        runs: 0,
-        deadline: None,
-    };
-
     /// True if the time limit has passed.
     pub fn is_over(&self) -> bool {
         self.deadline
@@ -177,6 +171,6 @@ mod tests {
         let times = clock.by_turns(&[Box::new(a), Box::new(b)], 1.0);
         assert_eq!(*order.lock().unwrap(), "abababab");
         assert!(times.iter().all(|times| times.unwrap().runs == 3));
-        assert_eq!(Clock::NONE.by_turns(&[Box::new(a)], 1.0), [None]);
+        assert_eq!(Clock::default().by_turns(&[Box::new(a)], 1.0), [None]);
     }
 }
