@@ -367,9 +367,9 @@ impl Panel {
         let root = Reader::new(document, &SCENE, table, &log)?;
         let title = root.get("title")?;
         let film = Film::read(&root.table_or_default("film")?)?;
-        let [width, height] = [film.width, film.height].map(|pixels| pixels as usize);
+        let size = [film.width, film.height].map(|pixels| pixels as usize);
         let model = if let Some(reader) = root.table("classified")? {
-            let classified = read_classified(&root, &reader, files, [width, height])?;
+            let classified = read_classified(&root, &reader, files, size)?;
             if classified.has_objects() {
                 // Keys that several volumes share were read for each.
                 let mut known = BTreeSet::new();
@@ -378,20 +378,17 @@ impl Panel {
             }
             classified.into()
         } else if let Some(reader) = root.table("radiative")? {
-            read_radiative(&root, &reader, files, [width, height])?.into()
+            read_radiative(&root, &reader, files, size)?.into()
         } else {
             let reader = root.table("curve")?.expect("one of the models");
             Model::Curve(read_curve(&root, &reader)?)
         };
         Ok(Panel {
             title,
-            width,
-            height,
-            model,
-            fault: None,
             inputs: files.take_used(),
             readings: log.into_inner(),
             key_lines: KeyLines::of(lines, table.get_ref()),
+            ..Panel::of(model, size)
         })
     }
 }

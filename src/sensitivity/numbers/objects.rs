@@ -35,20 +35,17 @@ pub(super) fn clips(scene: &Classified) -> impl Iterator<Item = Number> {
     let step = OFFSET_STEP * scene.diagonal();
     of_each(clips.len(), move |index| {
         let words = "place of the plane along its normal of the clip";
-        let offset = Number::new(
-            ["clip.offset", words, "clip"],
-            step,
-            move |panel, change| {
-                if let Model::Classified(scene) = &mut panel.model
-                    && let Some(clip) = scene.objects.clips.get_mut(index)
-                    && let Kept::Side { point, normal } = &mut clip.kept
-                {
-                    *point += **normal * change;
-                    return scene.is_something_left().then_some(());
-                }
-                Some(())
-            },
-        );
+        let names = ["clip.offset", words, "clip"];
+        let offset = Number::new(names, step, move |panel, change| {
+            if let Model::Classified(scene) = &mut panel.model
+                && let Some(clip) = scene.objects.clips.get_mut(index)
+                && let Kept::Side { point, normal } = &mut clip.kept
+            {
+                *point += **normal * change;
+                return scene.is_something_left().then_some(());
+            }
+            Some(())
+        });
         // A box has no normal.
         let is_plane = matches!(clips[index].kept, Kept::Side { .. });
         let offset = is_plane.then_some(offset.per("world units"));
