@@ -218,9 +218,6 @@ pub fn heatmap(reference: &Picture, test: &Picture, exposure: f64) -> Result<Vec
     let srgb = |picture: &Picture| picture.srgb(exposure).map_err(bad_input);
     let errors = flip(&srgb(reference)?, &srgb(test)?, DEFAULT_PIXELS_PER_DEGREE)
         .map_err(|error| bad_input(format!("no heat map: {error}")))?;
-    Ok(Film::codes_to_png(
-        &magma(&errors),
-        errors.width(),
-        errors.height(),
-    ))
+    let (width, height) = reference.size();
+    Ok(Film::codes_to_png(&magma(&errors), width, height))
 }

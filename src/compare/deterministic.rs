@@ -90,6 +90,12 @@ pub(crate) fn in_tolerances(golden: [f32; 3], test: [f32; 3]) -> f64 {
     })
 }
 
+/// The pixels of `test`, in tolerances of `golden`.
+pub(crate) fn outliers(golden: &Film, test: &Film) -> Outliers {
+    let pixels = golden.radiance().iter().zip(test.radiance());
+    Outliers::of(pixels.map(|(golden, test)| in_tolerances(*golden, *test)))
+}
+
 /// Judges `test` by `reference`, both of one size and finite. Opacity counts, if it is the same everywhere, only where it
 /// is asked for.
 ///
@@ -140,7 +146,7 @@ struct ColourDifference {
 impl ColourDifference {
     fn between(golden: &Film, test: &Film) -> ColourDifference {
         let pairs = || golden.radiance().iter().zip(test.radiance());
-        let pixels = Outliers::of(pairs().map(|(golden, test)| in_tolerances(*golden, *test)));
+        let pixels = outliers(golden, test);
         let mean = |of: fn(f64, f64) -> f64| -> [f64; 3] {
             std::array::from_fn(|c| {
                 let sum: Sum = pairs().map(|(a, b)| of(a[c].into(), b[c].into())).collect();

@@ -22,12 +22,8 @@ pub struct Sensitivity {
 impl Sensitivity {
     /// A change in words: `2.1 ± 0.3 % too large`, `off by −0.25 ± 0.02 pixels`.
     pub fn in_words(&self, change: f64, error: f64) -> String {
-        let error = if self.is_far(change) {
-            // The derivative is that at the right number: of its error nothing is known.
-            None
-        } else {
-            Some(error)
-        };
+        // Far from the right number, at which the derivative was taken, no error is known.
+        let error = Some(error).filter(|_| !self.is_far(change));
         change_in_words(&self.words, self.unit.as_deref(), change, error)
     }
 
@@ -42,14 +38,9 @@ impl Sensitivity {
         0.1 * change * change / self.step
     }
 
-    /// True if the number can change in this direction.
-    pub(crate) fn can_change(&self, change: f64) -> bool {
-        self.can_be[usize::from(change > 0.0)]
-    }
-
-    /// True if the number can be changed by this: a share of itself no further than to 0.
+    /// True if the number can be changed by this, in this direction: a share of itself no further than to 0.
     pub fn is_possible(&self, change: f64) -> bool {
-        self.can_change(change) && self.stays_positive(change)
+        self.can_be[usize::from(change > 0.0)] && self.stays_positive(change)
     }
 
     /// True if the number stays positive, where the change is a share of it.

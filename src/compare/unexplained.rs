@@ -24,9 +24,9 @@ pub(crate) const UNEXPLAINED: f64 = 0.02;
 /// quarter of the difference, root mean square.
 pub(crate) const UNEXPLAINED_IN_NOISE: f64 = 0.05;
 
-/// Largest share of the squared difference that a mistake with which the scene agrees with the image may leave,
-/// beyond doubt: what is as far from the image as from the golden says nothing of the difference. Less than the
-/// half that a wrong one in the right direction, of a random size, leaves.
+/// Largest share of the squared difference that a mistake may leave, beyond doubt, if the scene with it agrees with the
+/// image. A prediction as far from the image as from the golden explains nothing. A wrong mistake in the right
+/// direction, of a random size, leaves a half.
 pub(crate) const MOST_IN_NOISE: f64 = 0.4;
 
 /// Standard errors of a bound: beyond it is one chance in forty.

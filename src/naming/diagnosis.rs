@@ -1,10 +1,10 @@
 //! The likely cause behind an image: a mistake, or a change of parameters.
 //!
-//! A failing image is compared with the image that every mistake of the
-//! [catalogue](crate::variations::mistakes) would give: mistakes of the image are applied to the golden, those
-//! of the scene are rendered, first with few pixels or samples, the nearest ones with more. A mistake explains an image
-//! if the image that it makes passes for it. Among several, the nearest comes first. If none does, the usual pairs are
-//! tried, then changes of parameters.
+//! A search compares a failing image with the image that every mistake of the
+//! [catalogue](crate::variations::mistakes) would give. It applies mistakes of the image to the golden, and renders
+//! mistakes of the scene: first with few pixels or samples, the nearest ones with more. A mistake explains an image
+//! if the image that it makes passes for it. Among several, the nearest comes first. If none does, the search tries the
+//! usual pairs, then changes of parameters.
 //!
 //! What explains one case is tried first in the others, so a mistake that affects a whole suite is searched once. The
 //! search of a case has a [budget](Search).
@@ -129,13 +129,7 @@ pub fn diagnosis(
     for at in 0..failing.len() {
         findings.search(&failing, at, search);
     }
-    let Findings {
-        explanations,
-        close,
-        mut fitted,
-        unfinished,
-    } = findings;
-    let mut explanations: Vec<_> = explanations.into_iter().collect();
+    let mut explanations: Vec<_> = findings.explanations.into_iter().collect();
     // Many cases first, then one mistake rather than two, small distances, and the order of the catalogue.
     explanations.sort_by_cached_key(|(hypothesis, left)| {
         let sum: f64 = left.values().map(|left| left.max(0.0)).sum();
@@ -150,12 +144,15 @@ pub fn diagnosis(
         let explains = explanations.filter(|(_, left)| left.contains_key(&failed.index));
         let names = explains.map(|(hypothesis, _)| hypothesis.name());
         result.looks_like = names.take(MOST_NAMED).collect();
-        let was_cut = unfinished.iter().any(|search| search.case == result.name);
+        let was_cut = findings
+            .unfinished
+            .iter()
+            .any(|search| search.case == result.name);
         result.search_ended = Some(!was_cut && !evidence.conventions_are_open);
-        let fit = fitted.remove(&failed.index).unwrap_or_default();
+        let fit = findings.fitted.remove(&failed.index).unwrap_or_default();
         result.change_agrees = fit.agrees;
         if result.looks_like.is_empty() {
-            result.difference = measured(failed, fit, close.get(&failed.index));
+            result.difference = measured(failed, fit, findings.close.get(&failed.index));
             // A gain that explains all is in the verdict.
             if !failed.is_gain || !result.difference.is_empty() {
                 unexplained.push(result.clone());
@@ -168,7 +165,7 @@ pub fn diagnosis(
     Diagnosis {
         likely: likely(judged.iter().map(|it| &it.result)),
         searched: failing.len(),
-        unfinished,
+        unfinished: findings.unfinished,
         unexplained,
     }
 }

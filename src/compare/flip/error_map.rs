@@ -4,54 +4,31 @@ use crate::math::Sum;
 
 /// FLIP errors of an image, each in [0, 1], row-major, top row first. At least one pixel.
 #[derive(Clone, Debug, PartialEq)]
-pub struct ErrorMap {
-    width: usize,
-    height: usize,
-    values: Vec<f64>,
-}
+pub struct ErrorMap(pub(super) Vec<f64>);
 
 impl ErrorMap {
-    pub(super) fn new(width: usize, height: usize, values: Vec<f64>) -> Self {
-        debug_assert_eq!(values.len(), width * height);
-        Self {
-            width,
-            height,
-            values,
-        }
-    }
-
-    /// Columns.
-    pub fn width(&self) -> usize {
-        self.width
-    }
-
-    /// Rows.
-    pub fn height(&self) -> usize {
-        self.height
-    }
-
     /// The errors, row-major, top row first.
     pub fn values(&self) -> &[f64] {
-        &self.values
+        &self.0
     }
 
     /// Mean error: the single number to use if one must be used, say the authors (note
     /// "Hindsight" on the paper's project page).
     pub fn mean(&self) -> f64 {
-        let sum: Sum = self.values.iter().copied().collect();
-        sum.value() / self.values.len() as f64
+        let sum: Sum = self.0.iter().copied().collect();
+        sum.value() / self.0.len() as f64
     }
 
     /// Largest error.
     pub fn max(&self) -> f64 {
-        self.values.iter().copied().fold(0.0, f64::max)
+        self.0.iter().copied().fold(0.0, f64::max)
     }
 
     /// The smallest error v such that the pixels with errors up to v carry at least `percent`
     /// of the sum of all errors, `percent` in [0, 100]. A plain percentile ignores a small fault in
     /// a large correct image; this one does not.
     pub fn weighted_percentile(&self, percent: f64) -> f64 {
-        let mut sorted = self.values.clone();
+        let mut sorted = self.0.clone();
         sorted.sort_unstable_by(f64::total_cmp);
         let total: Sum = sorted.iter().copied().collect();
         let share = percent.clamp(0.0, 100.0) / 100.0 * total.value();
@@ -72,7 +49,7 @@ mod tests {
     use super::*;
 
     fn map(values: &[f64]) -> ErrorMap {
-        ErrorMap::new(values.len(), 1, values.to_vec())
+        ErrorMap(values.to_vec())
     }
 
     #[test]

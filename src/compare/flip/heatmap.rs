@@ -15,7 +15,7 @@ mod tests {
 
     #[test]
     fn no_error_is_black_and_full_error_pale_yellow() {
-        let ends = magma(&ErrorMap::new(2, 1, vec![0.0, 1.0]));
+        let ends = magma(&ErrorMap(vec![0.0, 1.0]));
         // The ends of the palette of S. van der Walt and N. Smith.
         assert_eq!(ends, [[0, 0, 4], [252, 253, 191]]);
     }

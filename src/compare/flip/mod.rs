@@ -41,15 +41,9 @@ use contrast::{BlurredRow, ContrastFilter};
 use feature::{FeatureFilter, FeatureRow, feature_difference};
 use power::power;
 
-/// Pixels per degree of visual angle, for pixels of `metres_per_pixel` at a distance of
-/// `distance` metres: the width a degree covers near the line of sight, in pixels.
-pub const fn pixels_per_degree(distance: f64, metres_per_pixel: f64) -> f64 {
-    distance / metres_per_pixel * (std::f64::consts::PI / 180.0)
-}
-
-/// 67.0206 pixels per degree: a display 0.7 m wide of 3840 pixels, seen from 0.7 m, the viewing
+/// 67.0206 pixels per degree of visual angle: a display 0.7 m wide of 3840 pixels, seen from 0.7 m, the viewing
 /// condition of the paper. (The 0.7 m cancel: 3840·π/180.)
-pub const DEFAULT_PIXELS_PER_DEGREE: f64 = pixels_per_degree(0.7, 0.7 / 3840.0);
+pub const DEFAULT_PIXELS_PER_DEGREE: f64 = 0.7 / (0.7 / 3840.0) * (std::f64::consts::PI / 180.0);
 
 /// Smallest and largest pixels per degree that [`flip`] accepts. Below 1 the whole feature
 /// filter lies inside a single pixel; 10 000 is a hundred times finer than the eye.
@@ -68,12 +62,17 @@ pub fn flip(
     test: &SrgbImage,
     pixels_per_degree: f64,
 ) -> Result<ErrorMap, FlipError> {
-    reference.require_same_size(test)?;
+    let (width, height) = (reference.width(), reference.height());
+    let (reference_size, test_size) = ((width, height), (test.width(), test.height()));
+    if reference_size != test_size {
+        return Err(FlipError(format!(
+            "the reference is {reference_size:?} pixels wide and high, the test image {test_size:?}"
+        )));
+    }
     if !PIXELS_PER_DEGREE_RANGE.contains(&pixels_per_degree) {
         let fault = format!("{pixels_per_degree} pixels per degree is outside 1 to 10000");
         return Err(FlipError(fault));
     }
-    let (width, height) = (reference.width(), reference.height());
     let contrast = ContrastFilter::new(pixels_per_degree);
     let features = FeatureFilter::new(pixels_per_degree);
     let scale = ColourScale::new();
@@ -98,20 +97,16 @@ pub fn flip(
                 [(&reference, &mut *of_reference), (&test, &mut *of_test)]
             {
                 blurred.fill(&contrast, image, y);
-                feature.fill(&features, image.luminance(), y);
+                feature.fill(&features, &image.0[0], y);
             }
             for (x, error) in errors.iter_mut().enumerate() {
                 let colour = scale.difference(of_reference.0.colour(x), of_test.0.colour(x));
                 let feature = feature_difference(of_reference.1.strength(x), of_test.1.strength(x));
-                *error = join(colour, feature);
+                // The feature difference raises the colour difference, and leaves equal colours at no error.
+                // Source: section 4.3, `ΔE = ΔE_c^(1 − ΔE_f)`.
+                *error = power(colour, 1.0 - feature);
             }
         },
     );
-    Ok(ErrorMap::new(width, height, values))
-}
-
-/// The FLIP error: the feature difference raises the colour difference, and leaves equal
-/// colours at no error. Source: section 4.3, `ΔE = ΔE_c^(1 − ΔE_f)`.
-fn join(colour_difference: f64, feature_difference: f64) -> f64 {
-    power(colour_difference, 1.0 - feature_difference)
+    Ok(ErrorMap(values))
 }

@@ -114,7 +114,6 @@ mod comparison;
 mod cut_off;
 mod map;
 mod neighbours;
-mod numbers;
 mod pixels;
 mod resolution;
 mod scales;
@@ -142,10 +141,10 @@ use blocks::{Block, Channel};
 use comparison::Comparison;
 use cut_off::WithinCodes;
 use neighbours::judge_neighbours;
-use numbers::judge_numbers;
 use pixels::{PixelDifferences, judge_black};
 use resolution::Limits;
 use scales::judge_scales;
+use scores::judge_numbers;
 
 /// Probability that any correct case of a suite is rejected.
 pub const FALSE_ALARM: f64 = 1e-6;
@@ -247,7 +246,7 @@ fn judgement(
 ) -> Judgement {
     let mut metrics = Metrics::new();
     let limits = Limits::new(comparison, level);
-    let visible = limits.visible(comparison, true);
+    let visible = limits.visible(comparison, |difference| difference.rounding);
     metrics.push(("smallest_visible_bias", visible[0]));
     metrics.push(("smallest_visible_block_bias", visible[1]));
 

@@ -31,6 +31,7 @@
 //! [search for a cause](crate::naming) tells, with scenes rendered anew.
 
 use super::comparison::Comparison;
+use super::{Metrics, finite};
 use crate::compare::judgement::{Detectable, NumberChange};
 use crate::compare::sensitivity::Sensitivity;
 use crate::compare::significance::deviation;
@@ -41,8 +42,45 @@ use std::cmp::Ordering;
 /// series are of this size, whatever the noise.
 const FLOOR: f64 = 1e-3;
 
+/// Findings on the numbers of a scene.
+#[derive(Default)]
+pub(super) struct NumberFindings {
+    /// Reason to reject: the changes that the difference looks like.
+    pub fault: Option<String>,
+    /// Changes that fit, for a rejected image.
+    pub changes: Vec<NumberChange>,
+    pub detectable: Vec<Detectable>,
+}
+
+/// Tests for an error in each number of which a sensitivity is known, all together at `level`.
+pub(super) fn judge_numbers(
+    comparison: &Comparison<'_>,
+    sensitivities: &[Sensitivity],
+    level: f64,
+    metrics: &mut Metrics,
+) -> NumberFindings {
+    let mut findings = NumberFindings::default();
+    if sensitivities.is_empty() || comparison.numbers().contains(&None) {
+        return findings;
+    }
+    let Some(scores) = Scores::new(comparison, sensitivities) else {
+        return findings;
+    };
+    let tests = scores.tested.len() as f64;
+    let (_, largest) = scores.largest();
+    metrics.push(("scores", tests));
+    metrics.push(("largest_score", finite(largest)));
+    findings.detectable = scores.detectable(level / tests);
+    if largest.abs() >= critical(level / tests) {
+        let best = scores.best();
+        findings.fault = Some(scores.in_words(&best));
+        findings.changes = scores.changes(&best);
+    }
+    findings
+}
+
 /// Scores of one comparison.
-pub(super) struct Scores<'s> {
+struct Scores<'s> {
     sensitivities: Vec<&'s Sensitivity>,
     /// Scores by number.
     tested: Vec<Tested>,
@@ -70,7 +108,6 @@ impl Cell {
     }
 }
 
-#[derive(Clone, Copy, Debug)]
 struct Tested {
     score: f64,
     /// Part of it that rounding can explain.
@@ -141,8 +178,7 @@ impl Tested {
 }
 
 /// A change of a number that fits.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Fitted {
+struct Fitted {
     /// Index of the number.
     number: usize,
     /// Change in its unit.
@@ -153,7 +189,7 @@ pub(super) struct Fitted {
 
 impl<'s> Scores<'s> {
     /// Scores of the sensitivities in blocks; `None` without any.
-    pub fn new(comparison: &Comparison<'_>, all: &'s [Sensitivity]) -> Option<Scores<'s>> {
+    fn new(comparison: &Comparison<'_>, all: &'s [Sensitivity]) -> Option<Scores<'s>> {
         let blocks = &comparison.blocks;
         let fits = |it: &&Sensitivity| it.derivative.radiance().len() == blocks.len();
         let mut sensitivities: Vec<&Sensitivity> = all.iter().filter(fits).collect();
@@ -183,13 +219,8 @@ impl<'s> Scores<'s> {
         })
     }
 
-    /// Number of tests.
-    pub fn count(&self) -> usize {
-        self.tested.len()
-    }
-
     /// The number with the largest score, and that score in standard errors.
-    pub fn largest(&self) -> (usize, f64) {
+    fn largest(&self) -> (usize, f64) {
         let deviations = self.tested.iter().map(Tested::deviation).enumerate();
         deviations
             .max_by(|(_, a), (_, b)| a.abs().total_cmp(&b.abs()))
@@ -201,13 +232,8 @@ impl<'s> Scores<'s> {
         self.tested[k].deviation().abs()
     }
 
-    /// True if a score is so large by chance with a probability of `level` at most, in one test.
-    pub fn is_rejected(&self, level: f64) -> bool {
-        self.largest().1.abs() >= critical(level)
-    }
-
     /// The smallest change of each number that its score would reject with probability one half.
-    pub fn detectable(&self, level: f64) -> Vec<Detectable> {
+    fn detectable(&self, level: f64) -> Vec<Detectable> {
         let of_number = |(sensitivity, tested): (&&Sensitivity, &Tested)| {
             let visible = critical(level) * tested.expected_variance.sqrt() + tested.hidden;
             let change = visible / tested.information;
@@ -222,8 +248,8 @@ impl<'s> Scores<'s> {
     }
 
     /// The change that fits of the parameter with the largest score, among those that can change so.
-    pub fn best(&self) -> Fitted {
-        let all = || (0..self.count()).map(|k| self.fit(k));
+    fn best(&self) -> Fitted {
+        let all = || (0..self.tested.len()).map(|k| self.fit(k));
         let possible = all().filter(|it| self.is_possible(it));
         let largest = possible.max_by(|a, b| self.size(a.number).total_cmp(&self.size(b.number)));
         largest.unwrap_or_else(|| self.fit(self.largest().0))
@@ -235,23 +261,18 @@ impl<'s> Scores<'s> {
 
     /// The change of number `k` that fits, by weighted least squares.
     fn fit(&self, k: usize) -> Fitted {
-        let Tested {
-            score,
-            hidden,
-            information,
-            expected_variance,
-            ..
-        } = self.tested[k];
-        let change = score / information;
+        let tested = &self.tested[k];
+        let information = tested.information;
+        let change = tested.score / information;
         let of_derivative = of_blocks(&self.cells, |cell| {
             let [derivative, noise] = cell.derivatives[k];
             cell.weight * (noise * (derivative * derivative + noise)).sqrt()
         });
         let part = change / information;
-        let variance =
-            expected_variance / (information * information) + part * part * of_derivative;
+        let of_score = tested.expected_variance / (information * information);
+        let variance = of_score + part * part * of_derivative;
         let curvature = self.sensitivities[k].curvature(change);
-        let rounding = hidden / information;
+        let rounding = tested.hidden / information;
         Fitted {
             number: k,
             change,
@@ -260,9 +281,9 @@ impl<'s> Scores<'s> {
     }
 
     /// Every parameter with the change of it that fits, by the size of their scores; first the `best`.
-    pub fn changes(&self, best: &Fitted) -> Vec<NumberChange> {
+    fn changes(&self, best: &Fitted) -> Vec<NumberChange> {
         let best = |k: usize| best.number == k;
-        let mut all: Vec<usize> = (0..self.count()).collect();
+        let mut all: Vec<usize> = (0..self.tested.len()).collect();
         all.sort_by(|&a, &b| {
             (best(b), self.size(b))
                 .partial_cmp(&(best(a), self.size(a)))
@@ -286,7 +307,7 @@ impl<'s> Scores<'s> {
     }
 
     /// Sentence on what the difference looks like.
-    pub fn in_words(&self, best: &Fitted) -> String {
+    fn in_words(&self, best: &Fitted) -> String {
         let deviation = format!("{:.1} standard errors", self.size(best.number));
         let sensitivity = self.sensitivities[best.number];
         if sensitivity.is_far(best.change) || !self.is_possible(best) {

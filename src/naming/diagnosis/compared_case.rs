@@ -2,13 +2,13 @@
 
 use super::clock::{SearchClock, Stage};
 use super::hypothesis::{Explaining, Hypothesis};
-use super::predictor::{Look, Predictor, pixels_of};
+use super::predictor::{Predictor, pixels_of};
 use crate::compare::coarse::Coarse;
-use crate::compare::deterministic::in_tolerances;
+use crate::compare::deterministic::outliers;
 use crate::compare::unexplained::{
     MOST_IN_NOISE, SquaredDistance, UNEXPLAINED, UNEXPLAINED_IN_NOISE, makes_what_shows,
 };
-use crate::compare::{Conditions, Gate, NumberChange, Picture, default_gate, judge, measured};
+use crate::compare::{Conditions, Gate, NumberChange, Picture, measured, passes};
 use crate::film::{Film, Quantisation};
 use crate::judging::Judged;
 use crate::judging::measured::gain;
@@ -17,6 +17,7 @@ use crate::math;
 use crate::scene::Scene;
 use crate::suite::Case;
 use crate::variations::edited_film::mapped;
+use crate::variations::mistakes::Mistake;
 
 /// Largest share of the squared difference that a prediction leaves which passes for the image: codes of 8 bits round a
 /// small difference, and a gate allows what is smaller than its tolerance.
@@ -261,18 +262,7 @@ impl ComparedCase {
             opacity: self.is_of_opacity,
             ..Conditions::default()
         };
-        let (gate, _) = default_gate(&film, &self.picture);
-        judge(gate, &film, &self.picture, &conditions).is_ok_and(|judgement| judgement.passed)
-    }
-
-    fn predict(
-        &self,
-        hypothesis: &Hypothesis,
-        look: Look,
-        clock: &SearchClock<'_>,
-    ) -> Option<Film> {
-        self.predictor
-            .predict(&self.golden, hypothesis, look, clock)
+        passes(&film, &self.picture, &conditions)
     }
 
     /// What `film`, a prediction, leaves of the difference, if it explains the image; `mixes_pixels` of a mistake that is
@@ -314,14 +304,10 @@ impl ComparedCase {
         (is_nearer && is_shown && self.passes(film, &left)).then_some(left)
     }
 
-    /// Mistakes that may explain the image.
-    fn suspected(&self) -> Vec<Hypothesis> {
-        Hypothesis::singles(|mistake| mistake.is_of_opacity() == self.is_of_opacity)
-    }
-
     /// The mistakes that explain the image, nearest first; the usual pairs, where none does by itself.
     pub fn search(&self, clock: &SearchClock<'_>) -> Found {
-        let singles = self.suspected();
+        let is_suspected = |mistake: &Mistake| mistake.is_of_opacity() == self.is_of_opacity;
+        let singles = Hypothesis::singles(is_suspected);
         clock.report(Stage::Singles, 0, singles.len());
         let found = self.search_among(singles, true, clock);
         if !found.explaining.is_empty() || self.is_of_opacity {
@@ -357,7 +343,10 @@ impl ComparedCase {
                 if level == 0 && clock.is_late() {
                     break;
                 }
-                if let Some(film) = self.predict(&hypothesis, look, clock) {
+                let film = self
+                    .predictor
+                    .predict(&self.golden, &hypothesis, look, clock);
+                if let Some(film) = film {
                     if is_of_the_image || level + 1 == looks.len() {
                         found.add(self, hypothesis, &film);
                     } else if let Some(remoteness) = self.remoteness(&film) {
@@ -381,22 +370,14 @@ impl ComparedCase {
     /// Order of a look at a hypothesis, the least first: what it leaves, and in noise what it gains; nothing if it is far
     /// off.
     fn remoteness(&self, film: &Film) -> Option<f64> {
-        let View {
-            golden,
-            test,
-            whole,
-            ..
-        } = &self.few;
-        let seen = self.seen(film, &self.few)?;
+        let few = &self.few;
+        let seen = self.seen(film, few)?;
         if self.is_sampled {
-            return Some(
-                -seen
-                    .amount_in(test, golden)
-                    .map_or(0.0, |amount| amount.gain),
-            );
+            let amount = seen.amount_in(&few.test, &few.golden);
+            return Some(-amount.map_or(0.0, |amount| amount.gain));
         }
-        let left = self.few.left(&seen).value;
-        (left <= FAR_OFF_ON_LATTICE * whole.value).then_some(left)
+        let left = few.left(&seen).value;
+        (left <= FAR_OFF_ON_LATTICE * few.whole.value).then_some(left)
     }
 
     /// How near `film`, which does not pass for the image, comes to it: in words, if that is near enough.
@@ -406,15 +387,13 @@ impl ComparedCase {
         }
         let left = self.few.left(&self.seen(film, &self.few)?).value;
         (left <= UNEXPLAINED * self.few.whole.value).then_some(())?;
-        let test = self.test.nearest_to(film);
-        let pixels = film.radiance().iter().zip(test.radiance());
-        let off: Vec<f64> = pixels.map(|(a, b)| in_tolerances(*a, *b)).collect();
-        let outside = off.iter().filter(|off| **off > 1.0).count();
+        let off = outliers(film, &self.test.nearest_to(film));
         let words = format!(
-            "close to {}: {outside} of {} pixels still differ, by up to {:.1} tolerances",
+            "close to {}: {} of {} pixels still differ, by up to {:.1} tolerances",
             hypothesis.name(),
-            off.len(),
-            off.iter().copied().fold(0.0, f64::max)
+            off.outside,
+            off.count,
+            off.worst.1
         );
         Some((left, words))
     }
@@ -456,18 +435,12 @@ impl KeptValues {
 
 /// True if the colours of two images without noise agree, and opacity may not.
 fn has_right_colours(golden: &Film, picture: &Picture) -> bool {
+    let test = picture.radiance().filter(|test| test.noise().is_none());
+    if golden.opacity().is_none() || test.is_none() {
+        return false;
+    }
     let colours = Picture::Radiance(golden.clone().without_opacity());
-    golden.opacity().is_some()
-        && picture
-            .radiance()
-            .is_some_and(|test| test.noise().is_none())
-        && judge(
-            Gate::Deterministic,
-            &colours,
-            picture,
-            &Conditions::default(),
-        )
-        .is_ok_and(|judgement| judgement.passed)
+    passes(&colours, picture, &Conditions::default())
 }
 
 /// Names of the parameters that the difference looks like, or, of one that is too large for derivatives,
