@@ -378,10 +378,10 @@ impl Panel {
             }
             classified.into()
         } else if let Some(reader) = root.table("radiative")? {
-            read_radiative(&root, &reader, files, size)?.into()
+            Radiative::read(&root, &reader, files, size)?.into()
         } else {
             let reader = root.table("curve")?.expect("one of the models");
-            Model::Curve(read_curve(&root, &reader)?)
+            Model::Curve(Curve::read(&root, &reader)?)
         };
         Ok(Panel {
             title,
@@ -457,25 +457,4 @@ fn read_classified(
     }
     let camera = root.table_or_default("camera")?;
     Classified::read(reader, &camera, volumes, files, size)
-}
-
-fn read_radiative(
-    root: &Reader,
-    reader: &Reader,
-    files: &mut Files,
-    size: [usize; 2],
-) -> SceneResult<Radiative> {
-    refuse! { root: "transfer_function", "a radiative scene has no densities for a transfer function"; }
-    let camera = root.table_or_default("camera")?;
-    let sampling = SamplingTable::read(&root.table_or_default("sampling")?)?;
-    Radiative::read(reader, &camera, sampling, files, size)
-}
-
-fn read_curve(root: &Reader, reader: &Reader) -> SceneResult<Curve> {
-    let transfer_function = root.table_or_default("transfer_function")?;
-    let opacity = OpacityByValue::read(&transfer_function)?;
-    refuse! { root:
-        "camera", "a plot of the curve has no camera";
-    }
-    Curve::read(reader, opacity)
 }

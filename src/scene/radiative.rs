@@ -15,6 +15,7 @@ use super::files::Files;
 use super::format::{Key, Kind, Range, Table};
 use super::objects::check_count;
 use super::reader::Reader;
+use super::record::Record;
 use super::sampling::SamplingTable;
 use crate::geometry::{Boundary, Camera, Luminous, Shape};
 use crate::optics::{Coefficients, Density, Homogeneous, Light, Material, Sides};
@@ -155,15 +156,17 @@ impl Radiative {
     /// The keys of a medium that give it a phase function, the procedural block last.
     pub(crate) const PHASE_KEYS: [&str; 4] = phases::KEYS_AND_BLOCK;
 
-    /// Reads `[radiative]` and `[camera]`.
+    /// Reads `[radiative]`, `[camera]` and `[sampling]` of the file whose root table is `root`.
     pub(super) fn read(
+        root: &Reader,
         reader: &Reader,
-        camera_reader: &Reader,
-        sampling: SamplingTable,
         files: &mut Files,
         size: [usize; 2],
     ) -> SceneResult<Radiative> {
-        let camera = camera::given(camera_reader, size)?;
+        refuse! { root: "transfer_function", "a radiative scene has no densities for a transfer function"; }
+        let camera = root.table_or_default("camera")?;
+        let sampling = SamplingTable::read(&root.table_or_default("sampling")?)?;
+        let camera = camera::given(&camera, size)?;
         let scattering = read_scattering(reader)?;
         let environment = reader.get("environment")?;
         let mut scene = Radiative {

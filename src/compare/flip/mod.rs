@@ -24,14 +24,12 @@ mod colour;
 mod contrast;
 mod error_map;
 mod feature;
-mod heatmap;
 mod image;
 mod kernel;
 mod plane;
 mod power;
 
-pub use error_map::ErrorMap;
-pub use heatmap::magma;
+pub use error_map::{ErrorMap, magma};
 pub use image::{FlipError, SrgbImage};
 
 use rayon::prelude::*;
@@ -41,9 +39,15 @@ use contrast::{BlurredRow, ContrastFilter};
 use feature::{FeatureFilter, FeatureRow, feature_difference};
 use power::power;
 
-/// 67.0206 pixels per degree of visual angle: a display 0.7 m wide of 3840 pixels, seen from 0.7 m, the viewing
+/// Pixels per degree of visual angle, for pixels of `metres_per_pixel` at a distance of
+/// `distance` metres: the width a degree covers near the line of sight, in pixels.
+pub const fn pixels_per_degree(distance: f64, metres_per_pixel: f64) -> f64 {
+    distance / metres_per_pixel * (std::f64::consts::PI / 180.0)
+}
+
+/// 67.0206 pixels per degree: a display 0.7 m wide of 3840 pixels, seen from 0.7 m, the viewing
 /// condition of the paper. (The 0.7 m cancel: 3840·π/180.)
-pub const DEFAULT_PIXELS_PER_DEGREE: f64 = 0.7 / (0.7 / 3840.0) * (std::f64::consts::PI / 180.0);
+pub const DEFAULT_PIXELS_PER_DEGREE: f64 = pixels_per_degree(0.7, 0.7 / 3840.0);
 
 /// Smallest and largest pixels per degree that [`flip`] accepts. Below 1 the whole feature
 /// filter lies inside a single pixel; 10 000 is a hundred times finer than the eye.
