@@ -211,7 +211,7 @@ impl ColourDifference {
     }
 
     fn metrics(&self) -> Vec<(&'static str, f64)> {
-        vec![
+        let mut metrics = vec![
             ("outlier_pixels", self.pixels.outside as f64),
             ("outlier_share", self.pixels.share()),
             (FAR_SHARE.0, self.pixels.far_share()),
@@ -219,9 +219,8 @@ impl ColourDifference {
             ("worst_in_tolerances", self.pixels.worst.1),
             ("worst_column", self.worst_at[0] as f64),
             ("worst_row", self.worst_at[1] as f64),
-            ("mean_difference_red", self.bias[0]),
-            ("mean_difference_green", self.bias[1]),
-            ("mean_difference_blue", self.bias[2]),
-        ]
+        ];
+        metrics.extend((0..3).map(|c| (MEAN_DIFFERENCES[c].0, self.bias[c])));
+        metrics
     }
 }

@@ -315,10 +315,8 @@ impl Judged<'_> {
             ("worst_off_limit", worst),
             ("worst_column", column as f64),
             ("worst_row", row as f64),
-            (MEAN_DIFFERENCES[0].0, off[0]),
-            (MEAN_DIFFERENCES[1].0, off[1]),
-            (MEAN_DIFFERENCES[2].0, off[2]),
         ]);
+        metrics.extend((0..3).map(|c| (MEAN_DIFFERENCES[c].0, off[c])));
         let most = (0..3)
             .max_by(|&a, &b| bias[a].total_cmp(&bias[b]))
             .unwrap_or(0);

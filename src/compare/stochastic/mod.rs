@@ -377,13 +377,9 @@ fn judge_whole(comparison: &Comparison<'_>, level: f64, metrics: &mut Metrics) -
     let pixels: usize = comparison.blocks.iter().map(Block::pixels).sum();
     let mean = |c: usize| totals[c].difference.value / pixels as f64;
     let deviations = totals.map(|total| comparison.deviation(&total));
-    let names = [
-        ("mean_difference_red", "mean_z_red"),
-        ("mean_difference_green", "mean_z_green"),
-        ("mean_difference_blue", "mean_z_blue"),
-    ];
-    for (c, (difference, z)) in names.into_iter().enumerate() {
-        metrics.push((difference, mean(c)));
+    let names = ["mean_z_red", "mean_z_green", "mean_z_blue"];
+    for (c, z) in names.into_iter().enumerate() {
+        metrics.push((MEAN_DIFFERENCES[c].0, mean(c)));
         metrics.push((z, finite(deviations[c])));
     }
     let probabilities = deviations.map(two_sided);
