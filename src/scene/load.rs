@@ -15,7 +15,7 @@ use super::sampling::SamplingTable;
 use super::transfer_function::{
     OpacityByValue, TRANSFER_FUNCTION, read_range, read_transfer_function,
 };
-use super::{Classified, Curve, Radiative, SceneError, SceneResult, TransportFault};
+use super::{Classified, Curve, Radiative, SceneResult, TransportFault};
 use crate::files::regular_file;
 use crate::geometry::Camera;
 use crate::math::powu;
@@ -212,7 +212,11 @@ impl Scene {
     fn text(path: &Path) -> SceneResult<String> {
         let name = path.display().to_string();
         let help = "give the path of a scene file; `volref render` shows a volume as it is";
-        let mistake = |message| SceneError::new(&name, "", None, message, Some(help.to_owned()));
+        let nowhere = Document {
+            path: &name,
+            text: "",
+        };
+        let mistake = |message: String| nowhere.error(None, message, Some(help.to_owned()));
         // A description of bare samples ends in .toml, as scenes do.
         let is_toml = path
             .extension()
