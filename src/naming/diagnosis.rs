@@ -112,17 +112,12 @@ pub fn diagnosis(
     judged: &mut [Judged],
     search: &Search<'_>,
 ) -> Diagnosis {
-    let scenes = |case: &Case| {
-        let scene = case.load_scene().ok()?;
-        let under = profile.and_then(|profile| profile.applied_to(&scene).ok().flatten());
-        Some(under.unwrap_or(scene))
-    };
     let mut failing = Vec::new();
     for (index, judged) in judged.iter().enumerate() {
         let case = cases.iter().find(|case| case.name == judged.result.name);
         let Some(case) = case else { continue };
         if judged.differs() {
-            failing.extend(ComparedCase::new(index, case, judged, &scenes));
+            failing.extend(ComparedCase::new(index, case, judged, profile));
         }
     }
     let mut findings = Findings::default();
@@ -229,8 +224,7 @@ impl Findings {
 /// True if one factor of the golden, or a single mistake of the catalogue, explains the image behind `judged` as a gate has
 /// it: that is plainer than several conventions.
 pub(super) fn is_plainly_explained(case: &Case, judged: &Judged, search: &Search<'_>) -> bool {
-    let scenes = |case: &Case| case.load_scene().ok();
-    let failed = ComparedCase::new(0, case, judged, &scenes);
+    let failed = ComparedCase::new(0, case, judged, None);
     failed.is_some_and(|failed| {
         let clock = SearchClock::start(search, &failed.name, failed.spent);
         failed.is_gain || !failed.search(&clock).explaining.is_empty()

@@ -9,6 +9,7 @@ use crate::compare::unexplained::{
     MOST_IN_NOISE, SquaredDistance, UNEXPLAINED, UNEXPLAINED_IN_NOISE, makes_what_shows,
 };
 use crate::compare::{Conditions, Gate, NumberChange, Picture, measured, passes};
+use crate::conventions::Profile;
 use crate::film::{Film, Quantisation};
 use crate::judging::Judged;
 use crate::judging::measured::gain;
@@ -111,13 +112,13 @@ pub(super) struct ComparedCase {
 }
 
 impl ComparedCase {
-    /// The case of a failed image; `None` where the image cannot be compared, or the scene cannot
-    /// be read.
+    /// The case of a failed image, whose scene follows `profile`; `None` where the image cannot be compared, or the scene
+    /// cannot be read.
     pub fn new(
         index: usize,
         case: &Case,
         judged: &Judged,
-        scenes: &dyn Fn(&Case) -> Option<Scene>,
+        profile: Option<&Profile>,
     ) -> Option<ComparedCase> {
         let golden = judged.evidence.golden.clone()?;
         let picture = judged.evidence.test.clone()?;
@@ -140,7 +141,9 @@ impl ComparedCase {
         if !golden.is_comparable(&test) {
             return None;
         }
-        let predictor = Predictor::new(&case.name, scenes(case)?, is_sampled);
+        let scene = case.load_scene().ok()?;
+        let under = profile.and_then(|profile| profile.applied_to(&scene).ok().flatten());
+        let predictor = Predictor::new(&case.name, under.unwrap_or(scene), is_sampled);
         let films = [&kept.film(&golden), &test];
         let of_pixels = || films.map(Coarse::of_pixels);
         let [few_golden, few_test] = if is_sampled {
