@@ -1,7 +1,7 @@
 //! The share of a difference that a hypothesis leaves unexplained.
 //!
 //! A test image differs from the golden by a squared distance D(golden, test), noise taken out. A
-//! prediction of the test image, by a mistake that may have been made or by numbers that were fitted,
+//! prediction of the test image, by a mistake that may have been made or by parameters that were fitted,
 //! leaves D(prediction, test) of it. The ratio is what is not explained: about 0 if the hypothesis
 //! is the right one, 1 if it says nothing of the image, more if it moves away from it. Both
 //! distances are estimates where pixels have noise, so the share has a bound on either side.

@@ -8,7 +8,7 @@
 //!   of a pixel and is nearer to normal. Holm's procedure corrects for the number of tests.
 //! - *Squares of blocks, rows and columns* at every scale up to the image, where no block and no mean is off:
 //!   see the file `scales.rs`.
-//! - *Numbers of the scene*: does the difference look like what an error of one of them makes, where
+//! - *Parameters of the scene*: does the difference look like what an error of one of them makes, where
 //!   derivatives are known? See the file `scores.rs`.
 //! - *Pixels*: do too many lie beyond five standard errors? By Chebyshev's inequality a pixel
 //!   does with probability 1/25 at most, whatever the shape of its noise. This finds
@@ -202,7 +202,7 @@ pub fn judge_at(reference: &Film, test: &Film, level: f64) -> Result<Judgement, 
     judge_with(reference, test, level, None, &[])
 }
 
-/// [`judge_at`] of an image that is to show the promised biases, where it is known how the reference changes with numbers
+/// [`judge_at`] of an image that is to show the promised biases, where it is known how the reference changes with parameters
 /// of its scene.
 pub fn judge_with(
     reference: &Film,

@@ -1,7 +1,7 @@
-//! Score tests: correlation of the difference with the derivative of the image by each number of
+//! Score tests: correlation of the difference with the derivative of the image by each parameter of
 //! the scene.
 //!
-//! The derivative D of the image by a number says where a small error of that number shows. The sum
+//! The derivative D of the image by a parameter says where a small error of that parameter shows. The sum
 //! `S = Σ D·d/v` over blocks and channels, of the differences d whose variances are v, is of all sums
 //! of differences the one that sees such an error best (Rao 1948, Proceedings of the Cambridge
 //! Philosophical Society 44, 50–57). It is no test of the noise of D: that is independent of d.
@@ -42,7 +42,7 @@ use std::cmp::Ordering;
 /// series are of this size, whatever the noise.
 const FLOOR: f64 = 1e-3;
 
-/// Findings on the numbers of a scene.
+/// Findings on the parameters of a scene.
 #[derive(Default)]
 pub(super) struct NumberFindings {
     /// Reason to reject: the changes that the difference looks like.
@@ -52,7 +52,7 @@ pub(super) struct NumberFindings {
     pub detectable: Vec<Detectable>,
 }
 
-/// Tests for an error in each number of which a sensitivity is known, all together at `level`.
+/// Tests for an error in each parameter of which a sensitivity is known, all together at `level`.
 pub(super) fn judge_numbers(
     comparison: &Comparison<'_>,
     sensitivities: &[Sensitivity],
@@ -82,7 +82,7 @@ pub(super) fn judge_numbers(
 /// Scores of one comparison.
 struct Scores<'s> {
     sensitivities: Vec<&'s Sensitivity>,
-    /// Scores by number.
+    /// Scores by parameter.
     tested: Vec<Tested>,
     cells: Vec<Cell>,
 }
@@ -96,12 +96,12 @@ struct Cell {
     weight: f64,
     /// Variance of the difference, by both estimates.
     variances: [f64; 2],
-    /// Derivative by each number, and its variance.
+    /// Derivative by each parameter, and its variance.
     derivatives: Vec<[f64; 2]>,
 }
 
 impl Cell {
-    /// The part of the information on number `k`.
+    /// The part of the information on parameter `k`.
     fn information(&self, k: usize) -> f64 {
         let [derivative, noise] = self.derivatives[k];
         self.weight * (derivative * derivative - noise)
@@ -121,7 +121,7 @@ struct Tested {
 }
 
 impl Tested {
-    /// Score of number `k`.
+    /// Score of parameter `k`.
     fn new(cells: &[Cell], k: usize) -> Tested {
         let information: f64 = cells.iter().map(|cell| cell.information(k)).sum();
         let blocks = || cells.chunks(3);
@@ -177,9 +177,9 @@ impl Tested {
     }
 }
 
-/// A change of a number that fits.
+/// A change of a parameter that fits.
 struct Fitted {
-    /// Index of the number.
+    /// Index of the parameter.
     number: usize,
     /// Change in its unit.
     change: f64,
@@ -219,7 +219,7 @@ impl<'s> Scores<'s> {
         })
     }
 
-    /// The number with the largest score, and that score in standard errors.
+    /// The parameter with the largest score, and that score in standard errors.
     fn largest(&self) -> (usize, f64) {
         let deviations = self.tested.iter().map(Tested::deviation).enumerate();
         deviations
@@ -227,12 +227,12 @@ impl<'s> Scores<'s> {
             .expect("there is a test")
     }
 
-    /// The score of number `k` without its sign, in standard errors.
+    /// The score of parameter `k` without its sign, in standard errors.
     fn size(&self, k: usize) -> f64 {
         self.tested[k].deviation().abs()
     }
 
-    /// The smallest change of each number that its score would reject with probability one half.
+    /// The smallest change of each parameter that its score would reject with probability one half.
     fn detectable(&self, level: f64) -> Vec<Detectable> {
         let of_number = |(sensitivity, tested): (&&Sensitivity, &Tested)| {
             let visible = critical(level) * tested.expected_variance.sqrt() + tested.hidden;
@@ -259,7 +259,7 @@ impl<'s> Scores<'s> {
         self.sensitivities[it.number].is_possible(it.change)
     }
 
-    /// The change of number `k` that fits, by weighted least squares.
+    /// The change of parameter `k` that fits, by weighted least squares.
     fn fit(&self, k: usize) -> Fitted {
         let tested = &self.tested[k];
         let information = tested.information;
@@ -328,7 +328,7 @@ fn critical(level: f64) -> f64 {
     (2.0 * math::ln(2.0 / level)).sqrt()
 }
 
-/// Channels of all blocks, with their derivatives by all these numbers.
+/// Channels of all blocks, with their derivatives by all these parameters.
 fn cells(comparison: &Comparison<'_>, sensitivities: &[&Sensitivity]) -> Vec<Cell> {
     let mut cells = Vec::with_capacity(comparison.asked());
     for (at, block) in comparison.blocks.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! Numbers of classified volumes.
+//! Parameters of classified volumes.
 
 use super::{AXES, Number, along};
 use crate::geometry::{InvalidParameter, Transform};
@@ -20,7 +20,7 @@ const REFLECTIONS: [(&str, &str, Strength); 3] = [
     }),
 ];
 
-/// Numbers of a volume; `scene` is that of the first panel.
+/// Parameters of a volume; `scene` is that of the first panel.
 pub(super) fn numbers(scene: &Classified) -> Vec<Number> {
     let mut numbers = Vec::new();
     let of = |name, words, step, edit: fn(&mut Classified, f64)| {
@@ -89,13 +89,13 @@ pub(super) fn numbers(scene: &Classified) -> Vec<Number> {
     numbers
 }
 
-/// Numbers of what all volumes of a scene share.
+/// Parameters of what all volumes of a scene share.
 pub(super) fn shared(scene: &Classified) -> Vec<Number> {
     let numbers = numbers(scene).into_iter();
     numbers.filter(is_of_all).collect()
 }
 
-/// Numbers of a volume that others do not share.
+/// Parameters of a volume that others do not share.
 pub(super) fn own(scene: &Classified) -> Vec<Number> {
     let own = numbers(scene)
         .into_iter()

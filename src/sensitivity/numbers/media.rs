@@ -1,4 +1,4 @@
-//! Numbers of participating media.
+//! Parameters of participating media.
 
 use super::{Number, along, of_each};
 use crate::geometry::{Boundary, Surface, Transform};
@@ -6,7 +6,7 @@ use crate::optics::{Asymmetry, Coefficients};
 use crate::scene::{Body, Radiative};
 use glam::DVec3;
 
-/// Numbers of every medium alone, and before them those of all media together where there are several.
+/// Parameters of every medium alone, and before them those of all media together where there are several.
 pub(super) fn numbers(scene: &Radiative) -> Vec<Number> {
     let count = scene.media.len();
     let mut numbers = Vec::new();
@@ -21,7 +21,7 @@ pub(super) fn numbers(scene: &Radiative) -> Vec<Number> {
     numbers
 }
 
-/// Numbers of the coefficients, phase function and emission of the medium `at`, or of all.
+/// Parameters of the coefficients, phase function and emission of the medium `at`, or of all.
 fn of_matter(scene: &Radiative, at: Option<usize>) -> Vec<Number> {
     let bodies: Vec<&Body> = match at {
         Some(at) => vec![&scene.media[at]],
@@ -84,7 +84,7 @@ fn of_matter(scene: &Radiative, at: Option<usize>) -> Vec<Number> {
     numbers
 }
 
-/// Numbers of the boundary of `body`, the medium `at`, a sphere or a box; none where it has a density, which has a
+/// Parameters of the boundary of `body`, the medium `at`, a sphere or a box; none where it has a density, which has a
 /// transform of its own.
 fn of_boundary(body: &Body, at: usize) -> Vec<Number> {
     let is_mesh = |it: &Boundary| matches!(it, Boundary::Mesh(_) | Boundary::PlacedMesh(_));

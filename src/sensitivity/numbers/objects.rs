@@ -1,4 +1,4 @@
-//! Numbers of several volumes, surfaces and clips.
+//! Parameters of several volumes, surfaces and clips.
 
 use super::classified;
 use super::{Number, of_each};
@@ -7,7 +7,7 @@ use crate::scene::{Classified, Kept, Model};
 /// Largest share of the box around all that an offset of a clip may be.
 const OFFSET_STEP: f64 = 2e-3;
 
-/// Numbers of each volume, surface and clip plane, and of what they share.
+/// Parameters of each volume, surface and clip plane, and of what they share.
 pub(super) fn numbers(scene: &Classified) -> Vec<Number> {
     let of_volume = |index: usize| {
         let alone = scene.alone(index);
@@ -29,7 +29,7 @@ pub(super) fn numbers(scene: &Classified) -> Vec<Number> {
     numbers
 }
 
-/// Numbers of each clip plane.
+/// Parameters of each clip plane.
 pub(super) fn clips(scene: &Classified) -> impl Iterator<Item = Number> {
     let clips = &scene.objects.clips;
     let step = OFFSET_STEP * scene.diagonal();
