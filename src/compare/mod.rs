@@ -51,7 +51,7 @@ use incomparable::{REFERENCE, TEST};
 use precision::CUT_OFF;
 
 impl Gate {
-    /// Its description.
+    /// Its name, its rule and its metrics, for reports and help.
     pub fn description(self) -> &'static Description {
         match self {
             Gate::Exact => &exact::DESCRIPTION,
@@ -62,7 +62,7 @@ impl Gate {
         }
     }
 
-    /// Its name.
+    /// Its name, as in JSON and after `--gate`.
     pub fn name(self) -> &'static str {
         self.description().name
     }

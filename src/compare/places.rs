@@ -311,7 +311,7 @@ fn in_a_box(differences: &Differences<'_>, shares: &Shares, unit: usize) -> Opti
     })
 }
 
-/// A share in per cent.
+/// A share in per cent, with one decimal: `12.3 %`, `less than 0.1 %`.
 pub(crate) fn left(share: f64) -> String {
     match 100.0 * share {
         percent if percent < 0.1 => "less than 0.1 %".to_owned(),

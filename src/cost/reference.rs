@@ -113,7 +113,7 @@ fn integrate(panel: &mut Panel) -> bool {
     scene.continuous
 }
 
-/// The channels of all pixels.
+/// The radiance of all pixels and channels, pixel by pixel.
 pub(super) fn values(film: &Film) -> Vec<f64> {
     let values = film.radiance().as_flattened().iter();
     values.map(|value| f64::from(*value)).collect()

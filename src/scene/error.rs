@@ -133,7 +133,7 @@ impl SceneError {
         &self.message
     }
 
-    /// The remedy.
+    /// The remedy: how to mend the mistake, if the error says so.
     pub fn help_text(&self) -> Option<&str> {
         self.help.as_deref()
     }

@@ -40,7 +40,7 @@ impl Table {
         Table { common, ..self }
     }
 
-    /// Everything it may hold.
+    /// All keys that it may hold, the common ones first.
     pub(super) fn all(&self) -> impl Iterator<Item = &'static Key> + use<> {
         self.common.iter().copied().flatten().chain(self.keys)
     }

@@ -118,7 +118,7 @@ impl Model {
         }
     }
 
-    /// The grids of its volumes.
+    /// The grids of its volumes, or of the densities of its media; one that several share occurs several times.
     pub(crate) fn grids(&self) -> Vec<&Arc<Grid<f32>>> {
         match self {
             Model::Classified(scene) => {
@@ -302,7 +302,7 @@ impl Scene {
         self.panels.iter().map(|panel| panel.width).sum()
     }
 
-    /// Rows of pixels.
+    /// Rows of pixels, the same in all panels.
     pub fn height(&self) -> usize {
         self.panels[0].height
     }

@@ -77,7 +77,7 @@ impl PlacedGrid {
         voxel(self.grid.lattice(), self.to_world.as_ref())
     }
 
-    /// The box, wherever it is.
+    /// The box around the grid, as the map places it in the world.
     pub(super) fn extent(&self) -> PlacedBox {
         PlacedBox {
             bounds: self.grid.lattice().bounds(),

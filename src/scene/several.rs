@@ -63,7 +63,7 @@ impl Classified {
         checked_step(Length::World(step), [1.0, length_of(bounds.size())]).map(|_| ())
     }
 
-    /// Number of volumes.
+    /// Number of volumes, at least 1.
     pub(crate) fn volume_count(&self) -> usize {
         1 + self.objects.volumes.len()
     }
@@ -94,7 +94,7 @@ impl Classified {
         alone
     }
 
-    /// The scenes of its volumes.
+    /// For each volume the scene with that volume alone, in order.
     pub(crate) fn each_alone(&self) -> impl Iterator<Item = Classified> + '_ {
         (0..self.volume_count()).map(|index| self.alone(index))
     }
@@ -151,7 +151,7 @@ impl Classified {
         }
     }
 
-    /// Clips of a volume.
+    /// The clips that cut the volume of this index.
     pub(crate) fn clips_of(&self, volume: usize) -> impl Iterator<Item = &Clip> {
         let clips = self.objects.clips.iter();
         clips.filter(move |clip| clip.cuts(volume))

@@ -19,7 +19,7 @@ impl ErrorMap {
         sum.value() / self.0.len() as f64
     }
 
-    /// Largest error.
+    /// Largest error of a pixel, in [0, 1].
     pub fn max(&self) -> f64 {
         self.0.iter().copied().fold(0.0, f64::max)
     }

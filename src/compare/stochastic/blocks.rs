@@ -121,7 +121,7 @@ impl Variance {
         self.guard[0] + self.guard[1]
     }
 
-    /// The larger of the two.
+    /// The larger of the two estimates.
     pub fn largest(&self) -> f64 {
         self.own().max(self.guard())
     }

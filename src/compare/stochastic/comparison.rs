@@ -91,7 +91,7 @@ impl<'f> Comparison<'f> {
         ]
     }
 
-    /// Blocks in a row.
+    /// Number of blocks in a row.
     pub fn columns(&self) -> usize {
         parts(self.films[0].width()).count()
     }

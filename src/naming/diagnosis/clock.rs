@@ -51,7 +51,7 @@ pub enum Stage {
 }
 
 impl Stage {
-    /// Plural name.
+    /// Its name for a line of progress, in the plural.
     pub fn name(self) -> &'static str {
         match self {
             Stage::Profiles => "profiles",
@@ -72,7 +72,7 @@ const SLOWEST: u32 = 6;
 /// Shortest such time: a moment's work may take longer beside other programs.
 const MOMENT: Duration = Duration::from_secs(30);
 
-/// The work of one case.
+/// Counts the work of the search in one case, and says when the search is to end.
 pub(in crate::naming) struct SearchClock<'s> {
     search: &'s Search<'s>,
     work: AtomicU64,

@@ -78,7 +78,7 @@ impl View {
     }
 }
 
-/// A failed case.
+/// A failed case: its golden and its image in the pixels and the values in which a search compares them.
 pub(super) struct ComparedCase {
     /// Index of the case among the results.
     pub index: usize,

@@ -37,7 +37,7 @@ impl Hypothesis {
         wanted.map(single).collect()
     }
 
-    /// The usual pairs.
+    /// The [usual pairs](USUAL_PAIRS) of mistakes.
     pub fn pairs() -> Vec<Hypothesis> {
         let place = |name: &str| CATALOGUE.iter().position(|mistake| mistake.name == name);
         let pairs = USUAL_PAIRS.iter().filter_map(|[first, second]| {

@@ -69,7 +69,7 @@ impl Predictor {
         self.looks[0]
     }
 
-    /// The look with the most.
+    /// The look with the most pixels, or samples.
     pub fn most(&self) -> Look {
         self.looks[self.looks.len() - 1]
     }
