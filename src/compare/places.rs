@@ -51,14 +51,12 @@ pub fn measured(golden: &Film, test: &Film) -> Vec<String> {
         return Vec::new();
     }
     let mut said = Vec::new();
-    for (c, name) in CHANNELS.iter().enumerate() {
-        let share = shares.channel(c);
-        if share.is_at_least(IN_ONE_CHANNEL) {
-            let share = left(share.value);
-            said.push(format!(
-                "{share} of the squared relative difference is in {name}"
-            ));
-        }
+    let is_in_one = |c: &usize| shares.channel(*c).is_at_least(IN_ONE_CHANNEL);
+    if let Some(c) = (0..3).find(is_in_one) {
+        let (share, name) = (left(shares.channel(c).value), CHANNELS[c]);
+        said.push(format!(
+            "{share} of the squared relative difference is in {name}"
+        ));
     }
     if !has_noise {
         said.extend(gain(&differences, shares.whole));
