@@ -221,8 +221,8 @@ impl Findings {
     }
 }
 
-/// True if one factor of the golden, or a single mistake of the catalogue, explains the image behind `judged` as a gate has
-/// it: that is plainer than several conventions.
+/// True if one factor of the golden, or a single mistake of the catalogue, explains the image behind `judged`. Such a cause
+/// is plainer than several conventions.
 pub(super) fn is_plainly_explained(case: &Case, judged: &Judged, search: &Search<'_>) -> bool {
     let failed = ComparedCase::new(0, case, judged, None);
     failed.is_some_and(|failed| {

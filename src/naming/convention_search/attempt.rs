@@ -26,16 +26,15 @@ const MOST_TOGETHER: usize = 9;
 /// decide for the whole image.
 const CAP: f64 = 20.0;
 
-/// Largest share of the pixels of the lattice outside of the tolerance at which the whole image is
-/// rendered for the verdict. The gate allows 0.02 %; a lattice of few pixels may have met more of
-/// them.
+/// Largest share of the pixels of the lattice that may be outside of the tolerance, if the whole image is rendered for the
+/// verdict. The gate allows 0.02 % of all pixels; a lattice of few pixels may meet more of them.
 pub const MOST_OUTSIDE: f64 = 0.005;
 
 /// Approximate number of pixels of the lattice on which sets are compared.
 pub const LATTICE: usize = 576;
 
-/// Share of the remaining difference that a further convention must remove. A convention of the
-/// renderer that removes less leaves an image that passes without it, or another one comes first.
+/// Share of the remaining difference that a further convention must remove. If one of the renderer's conventions removes
+/// less, the image passes without it, or another convention comes first.
 const LEAST_GAIN: f64 = 0.1;
 
 /// Largest number of sets that are expanded.
@@ -47,8 +46,8 @@ const EXPANDED_AFTER_ROUNDING: usize = 2;
 /// Largest number of sets of an expansion for which the whole image is rendered.
 const MOST_WHOLE: usize = 3;
 
-/// Share of the pixels that are outside of the tolerance under volref's conventions that may be so under
-/// those that are claimed.
+/// Largest share of the pixels outside of the tolerance under volref's conventions that may stay outside under the claimed
+/// ones.
 const LEFT_BY_ROUNDING: f64 = 0.1;
 
 /// Residual of an image beside the right one under other conventions, in tolerances of the deterministic gate, by the

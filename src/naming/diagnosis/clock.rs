@@ -61,15 +61,15 @@ impl Stage {
     }
 }
 
-/// Work that is done in a second on two cores, in [events](crate::render::Event) of kernels, for which limits in
-/// seconds stand.
+/// Work for which a second of a limit stands, in [events](crate::render::Event) of kernels: about what two cores do in a
+/// second.
 const WORK_PER_SECOND: f64 = 1e8;
 
-/// Longest time of a search, in those seconds: work is counted, so that a verdict depends on no machine's load, but
-/// nobody waits forever.
+/// Longest time of a search, in multiples of its limit. Work is counted, so that no verdict depends on a machine's load;
+/// but nobody waits forever.
 const SLOWEST: u32 = 6;
 
-/// Shortest such time: a moment's work may take longer beside other programs.
+/// Shortest such time: beside other programs even a little work takes a while.
 const MOMENT: Duration = Duration::from_secs(30);
 
 /// Counts the work of the search in one case, and says when the search is to end.

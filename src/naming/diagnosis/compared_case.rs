@@ -20,8 +20,8 @@ use crate::suite::Case;
 use crate::variations::edited_film::mapped;
 use crate::variations::mistakes::Mistake;
 
-/// Largest share of the squared difference that a prediction leaves which passes for the image: codes of 8 bits round a
-/// small difference, and a gate allows what is smaller than its tolerance.
+/// Largest share of the squared difference that a prediction may leave which passes for the image. Codes of 8 bits round
+/// small differences, and a gate allows what is below its tolerance: passing alone explains nothing.
 const OF_ROUNDING: f64 = 0.5;
 
 /// The same on a lattice. Its share is an estimate from 2000 pixels or more: one that is half the
@@ -34,8 +34,8 @@ const SURVIVORS: [usize; 2] = [16, 8];
 /// Work of an edit and a comparison of one pixel, in [events](crate::render::Event).
 const EVENTS_OF_AN_EDIT: usize = 8;
 
-/// The part of the largest score from which a parameter is suspected: far from the golden, where
-/// derivatives do not hold, another may have a larger score than the one that is off.
+/// Share of the largest score from which a parameter is suspected. Far from the golden derivatives do not hold, and
+/// another parameter may have a larger score than the one that is off.
 const SUSPICIOUS: f64 = 0.5;
 
 /// Seed of the renderings that decide, none of those that were fitted.
@@ -220,7 +220,8 @@ impl ComparedCase {
         })
     }
 
-    /// True if no more than this is left of the difference beyond doubt, so that noise leaves no other cause possible.
+    /// True if a hypothesis that leaves this of the difference explains all of it beyond doubt: noise leaves no other cause
+    /// possible.
     pub fn is_all_beyond_doubt(&self, left: &SquaredDistance) -> bool {
         let whole = &self.few.whole;
         !self.is_sampled
@@ -247,9 +248,8 @@ impl ComparedCase {
         Some(self.passes(&film, &left))
     }
 
-    /// True if `film`, which leaves this, passes for the image by the gate of the case: what is rendered in a search may go
-    /// either way at an edge. An image with steps is judged by what they leave at most, which of a prediction nobody
-    /// knows.
+    /// True if `film`, which leaves this, passes for the image by the gate of the case. An image with steps is judged by the
+    /// difference that is left: nobody knows what steps change in a prediction.
     fn passes(&self, film: &Film, left: &SquaredDistance) -> bool {
         if self.has_step {
             return left.value <= UNEXPLAINED * self.few.whole.value;
@@ -268,8 +268,8 @@ impl ComparedCase {
         passes(&film, &self.picture, &conditions)
     }
 
-    /// What `film`, a prediction, leaves of the difference, if it explains the image; `mixes_pixels` of a mistake that is
-    /// made in the image, and not in each pixel by itself.
+    /// What the prediction `film` leaves of the difference, if it explains the image. `mixes_pixels` is true of a mistake
+    /// in the image that mixes pixels with their neighbours.
     fn explained_by(&self, film: &Film, mixes_pixels: bool) -> Option<SquaredDistance> {
         if self.is_of_opacity {
             return self
@@ -370,8 +370,8 @@ impl ComparedCase {
         found
     }
 
-    /// Order of a look at a hypothesis, the least first: what it leaves, and in noise what it gains; nothing if it is far
-    /// off.
+    /// The number by which hypotheses are sorted for a closer look, the least first: the difference that is left, or in
+    /// noise the gain with a minus sign. Nothing if the prediction `film` is far off.
     fn remoteness(&self, film: &Film) -> Option<f64> {
         let few = &self.few;
         let seen = self.seen(film, few)?;
@@ -383,7 +383,8 @@ impl ComparedCase {
         (left <= FAR_OFF_ON_LATTICE * few.whole.value).then_some(left)
     }
 
-    /// How near `film`, which does not pass for the image, comes to it: in words, if that is near enough.
+    /// A sentence on how near `film`, which does not pass for the image, comes to it, with the difference that is left;
+    /// nothing if it is not near.
     fn close_in_words(&self, hypothesis: &Hypothesis, film: &Film) -> Option<(f64, String)> {
         if self.is_sampled || self.is_of_opacity || film.width() != self.golden.width() {
             return None;
