@@ -1,8 +1,8 @@
 //! Places of the difference between two images: what it lies in more than in others.
 //!
-//! These are measurements, not causes: they hold whether or not anybody knows what went wrong. A place is named where it
-//! holds far more of the squared difference than of the pixels, beyond its own uncertainty, which comes from leaving out
-//! a twentieth of the image at a time (the jackknife; Efron & Stein 1981, Annals of Statistics 9, 586–596).
+//! These are measurements, not causes: they hold whether or not anybody knows what went wrong. A sentence names a place
+//! that holds far more of the squared difference than of the pixels, beyond its own uncertainty. The uncertainty comes
+//! from leaving out a twentieth of the image at a time (the jackknife; Efron & Stein 1981, Annals of Statistics 9, 586–596).
 //!
 //! Differences are relative to the brightness of the golden plus its mean, and each sentence says so: a lamp
 //! may hold most of the absolute difference and little of the relative one.

@@ -10,13 +10,12 @@
 //! irregular in the step, where a ray leaves the volume in the middle of one; means over an image are
 //! not: they are extrapolated, and must agree much better.
 //!
-//! Two things are allowed besides, as what they change is no fault of the rule: values off by half an
-//! entry of a table (the caller renders what that changes), and rays that end where less than 1/255 of
-//! the light would still come through.
+//! The gate allows two things besides, which are no fault of the rule. Values may be off by half an entry of a table: the
+//! caller renders what that changes. Rays may end where less than 1/255 of the light would still come through.
 //!
-//! Rules of first order with a last step that is cut off have errors that the step does not bound by
-//! order: there a pixel may also be off by what such rules are off by at the smallest step, which the
-//! caller renders. A single image gives no order; it may deviate as much as images of those rules at its step.
+//! The last step of a ray is cut off, and a rule of first order makes an error there that no order bounds. So with such a
+//! rule a pixel may also be off by as much as images of first order are at the smallest step, which the caller renders.
+//! A single image gives no order; it may deviate as much as images of those rules at its step.
 //!
 //! Sources: Richardson 1911, *Phil. Trans. A* 210, 307–357; Roache 1994, "Perspective: a method for
 //! uniform reporting of grid refinement studies", *J. Fluids Eng.* 116, 405–413.

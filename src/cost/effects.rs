@@ -108,8 +108,7 @@ fn grey(coefficients: &Coefficients, factor: f64) -> Coefficients {
 }
 
 fn of_radiative(scene: &Radiative) -> Vec<(String, Model)> {
-    // What is left without effects: light that is not scattered, in grey, homogeneous, isotropic media that
-    // emit nothing.
+    // Without effects nothing scatters light, and media are grey, homogeneous and isotropic, and emit nothing.
     let mut plain = scene.clone();
     plain.scattering = Scattering::None;
     for body in &mut plain.media {
