@@ -4,7 +4,7 @@ use crate::compare::Picture;
 use crate::film::Film;
 use crate::judging::CaseResult;
 use crate::judging::validate::validate;
-use crate::naming::{ConventionSearch, Predictions, Search, likeness};
+use crate::naming::{ConventionSearch, Predictions, Search, diagnosis};
 use crate::suite::{Output, SUITE_VARIABLE, Suite, SuiteError};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -78,7 +78,7 @@ pub fn check_within(case: &str, image: &Film, seconds: f64) -> Result<CaseResult
         interrupted: &|| false,
         progress: &|_| (),
     };
-    likeness(&cases, None, &mut judged, &search);
+    diagnosis(&cases, None, &mut judged, &search);
     let [judged] = judged;
     Ok(judged.result)
 }

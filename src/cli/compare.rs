@@ -12,7 +12,7 @@ use crate::compare::{
 };
 use crate::film::{Bits, Film, FilmFormat};
 use crate::judging::{CaseResult, Evidence, radiance};
-use crate::naming::Likenesses;
+use crate::naming::Diagnosis;
 use crate::report::{self, Page};
 use crate::suite::MEAN_RESOLUTION;
 use std::path::{Path, PathBuf};
@@ -146,7 +146,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let exit = result.cause.into();
     let json = report::results_json("compare", std::slice::from_ref(&result));
     let evidence = arguments.evidence(reference, test);
-    let (results, evidence, found) = ([result], [evidence], Likenesses::default());
+    let (results, evidence, found) = ([result], [evidence], Diagnosis::default());
     let page = Page::of("compare", &results, &evidence, &found);
     arguments.page.write(page, &mut text)?;
     let text = arguments.json.instead_of(text, &json)?;
@@ -218,9 +218,6 @@ pub fn heatmap(reference: &Picture, test: &Picture, exposure: f64) -> Result<Vec
     let srgb = |picture: &Picture| picture.srgb(exposure).map_err(bad_input);
     let errors = flip(&srgb(reference)?, &srgb(test)?, DEFAULT_PIXELS_PER_DEGREE)
         .map_err(|error| bad_input(format!("no heat map: {error}")))?;
-    Ok(Film::codes_to_png(
-        &magma(&errors),
-        errors.width(),
-        errors.height(),
-    ))
+    let (width, height) = reference.size();
+    Ok(Film::codes_to_png(&magma(&errors), width, height))
 }

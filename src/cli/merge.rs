@@ -15,7 +15,7 @@ use crate::judging::{
     CaseResult, CaseTrials, Cause, Evidence, Judged, JudgedWith, KeptResult, Part, ResultFolder,
     Run, SelfTest, SelfTestCases, Verdict,
 };
-use crate::naming::Likenesses;
+use crate::naming::Diagnosis;
 use crate::report;
 use crate::suite::{Case, Golden, Suite};
 use serde_json::json;
@@ -188,7 +188,7 @@ fn joined_results(
     }
     let results: Vec<CaseResult> = judged.iter().map(|of| of.result.clone()).collect();
     let (found, judged_with) = (
-        Likenesses::of_results(&results),
+        Diagnosis::of_results(&results),
         JudgedWith::of_runs(loosened),
     );
     let text = if is_verified {

@@ -5,7 +5,7 @@ use super::known::count_in;
 use super::output::{self, Json};
 use super::page::ReportPage;
 use crate::judging::{CaseResult, Judged, JudgedWith};
-use crate::naming::Likenesses;
+use crate::naming::Diagnosis;
 use crate::report::{self, Page};
 use serde_json::{Value, json};
 use std::path::PathBuf;
@@ -29,7 +29,7 @@ pub struct Findings<'f> {
     /// Result and evidence of each case.
     pub judged: Vec<Judged>,
     /// Findings of the search for the mistakes behind the images.
-    pub found: Likenesses,
+    pub found: Diagnosis,
     /// What loosens the judgements.
     pub judged_with: JudgedWith,
     /// True if the results are held against known failures.

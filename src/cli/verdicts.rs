@@ -4,7 +4,7 @@ use super::progress;
 use super::{interrupt, is_in_ci, output};
 use crate::conventions::Profile;
 use crate::judging::{CaseResult, Cause, Judged, Verdict};
-use crate::naming::{ConventionSearch, Likenesses, Predictions, Search, SearchStep, likeness};
+use crate::naming::{ConventionSearch, Diagnosis, Predictions, Search, SearchStep, diagnosis};
 use crate::report;
 use crate::suite::{Case, Suite};
 use std::time::Duration;
@@ -156,7 +156,7 @@ impl CauseSearch {
         cases: &[&Case],
         profile: Option<&Profile>,
         judged: &mut [Judged],
-    ) -> (Likenesses, String) {
+    ) -> (Diagnosis, String) {
         let is_open = |judged: &&Judged| judged.result.search_ended == Some(false);
         let failed = judged.iter().filter(is_open).count();
         if failed == 0 || self.seconds == 0.0 {
@@ -165,7 +165,7 @@ impl CauseSearch {
             } else {
                 ""
             };
-            return (Likenesses::default(), said.to_owned());
+            return (Diagnosis::default(), said.to_owned());
         }
         let bar = progress::image("looking for the mistake");
         let search = Search {
@@ -174,7 +174,7 @@ impl CauseSearch {
             interrupted: &interrupt::is_cut_short,
             progress: &|step| progress::mistake(&bar, step),
         };
-        let found = likeness(cases, profile, judged, &search);
+        let found = diagnosis(cases, profile, judged, &search);
         bar.finish_and_clear();
         let text = report::likely_text(&found, self.seconds);
         (found, text)

@@ -7,7 +7,7 @@ use super::threads::Threads;
 use super::{Outcome, output, progress};
 use crate::judging;
 use crate::judging::{CaseResult, Evidence, JudgedWith, Verdict};
-use crate::naming::Likenesses;
+use crate::naming::Diagnosis;
 use crate::report;
 use crate::suite::Case;
 use std::collections::BTreeMap;
@@ -70,7 +70,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let findings = Findings {
         command: "verify",
         judged,
-        found: Likenesses::default(),
+        found: Diagnosis::default(),
         judged_with: JudgedWith::default(),
         has_known: false,
         origin: None,

@@ -48,7 +48,7 @@ impl Amount {
 }
 
 impl Coarse {
-    /// Single pixels.
+    /// The image as it is: each coarse pixel is one pixel.
     pub fn of_pixels(film: &Film) -> Coarse {
         Coarse::with_edge(film, 1)
     }
@@ -153,7 +153,7 @@ impl Coarse {
         (self.columns, self.rows) == (other.columns, other.rows)
     }
 
-    /// The means of all channels.
+    /// The means of all channels, pixel by pixel.
     pub fn values(&self) -> Vec<f64> {
         self.means.as_flattened().to_vec()
     }

@@ -1,7 +1,7 @@
 //! Depth of images: distances of what pixels show.
 //!
 //! Renderers place a sample at the beginning, in the middle or at the end of its step, so that depth may be half a
-//! step off, and a half float rounds by 2⁻¹¹: 0.1 % is allowed on top. At an edge of what is seen, where the depths of
+//! step off. A half float rounds by 2⁻¹¹: the gate allows 0.1 % on top. At an edge of what is seen, where the depths of
 //! neighbouring pixels are farther apart than that, a ray may fall on either side: any depth between those of the
 //! neighbours agrees there.
 

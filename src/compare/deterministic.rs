@@ -90,6 +90,12 @@ pub(crate) fn in_tolerances(golden: [f32; 3], test: [f32; 3]) -> f64 {
     })
 }
 
+/// The pixels of `test`, in tolerances of `golden`.
+pub(crate) fn outliers(golden: &Film, test: &Film) -> Outliers {
+    let pixels = golden.radiance().iter().zip(test.radiance());
+    Outliers::of(pixels.map(|(golden, test)| in_tolerances(*golden, *test)))
+}
+
 /// Judges `test` by `reference`, both of one size and finite. Opacity counts, if it is the same everywhere, only where it
 /// is asked for.
 ///
@@ -140,7 +146,7 @@ struct ColourDifference {
 impl ColourDifference {
     fn between(golden: &Film, test: &Film) -> ColourDifference {
         let pairs = || golden.radiance().iter().zip(test.radiance());
-        let pixels = Outliers::of(pairs().map(|(golden, test)| in_tolerances(*golden, *test)));
+        let pixels = outliers(golden, test);
         let mean = |of: fn(f64, f64) -> f64| -> [f64; 3] {
             std::array::from_fn(|c| {
                 let sum: Sum = pairs().map(|(a, b)| of(a[c].into(), b[c].into())).collect();
@@ -205,7 +211,7 @@ impl ColourDifference {
     }
 
     fn metrics(&self) -> Vec<(&'static str, f64)> {
-        vec![
+        let mut metrics = vec![
             ("outlier_pixels", self.pixels.outside as f64),
             ("outlier_share", self.pixels.share()),
             (FAR_SHARE.0, self.pixels.far_share()),
@@ -213,9 +219,8 @@ impl ColourDifference {
             ("worst_in_tolerances", self.pixels.worst.1),
             ("worst_column", self.worst_at[0] as f64),
             ("worst_row", self.worst_at[1] as f64),
-            ("mean_difference_red", self.bias[0]),
-            ("mean_difference_green", self.bias[1]),
-            ("mean_difference_blue", self.bias[2]),
-        ]
+        ];
+        metrics.extend((0..3).map(|c| (MEAN_DIFFERENCES[c].0, self.bias[c])));
+        metrics
     }
 }

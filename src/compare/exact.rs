@@ -21,23 +21,16 @@ pub(super) fn judge(reference: &Film, test: &Film) -> Judgement {
     let bits = |pixel: &[f32; 3]| pixel.map(f32::to_bits);
     let pairs = || reference.radiance().iter().zip(test.radiance());
     let moved = pairs().filter(|(a, b)| bits(a) != bits(b)).count();
+    let differs = |(a, b): &(&f32, &f32)| a.to_bits() != b.to_bits();
     let opacity_moved = match (reference.opacity(), test.opacity()) {
         // It was rounded too, if it was kept at all.
         _ if test.quantisation().is_some() => 0,
-        (Some(a), Some(b)) => a
-            .iter()
-            .zip(b)
-            .filter(|(a, b)| a.to_bits() != b.to_bits())
-            .count(),
+        (Some(a), Some(b)) => a.iter().zip(b).filter(differs).count(),
         (None, None) => 0,
         _ => {
             let reason = "only one of the images has an opacity channel".to_owned();
-            return Judgement::new(
-                Gate::Exact,
-                false,
-                reason,
-                &[("moved_pixels", moved as f64)],
-            );
+            let metrics = [("moved_pixels", moved as f64)];
+            return Judgement::new(Gate::Exact, false, reason, &metrics);
         }
     };
     let largest = pairs()

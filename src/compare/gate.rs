@@ -68,6 +68,6 @@ pub struct Conditions<'s> {
     pub in_single_precision: bool,
     /// Opacity was asked for, so that 1 everywhere is a statement about the volume.
     pub opacity: bool,
-    /// Derivatives of the reference by the numbers of its scene, for the stochastic gate.
+    /// Derivatives of the reference by the parameters of its scene, for the stochastic gate.
     pub sensitivities: &'s [Sensitivity],
 }

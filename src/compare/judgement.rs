@@ -21,33 +21,33 @@ pub struct Judgement {
     /// [bias](super::Conditions::promise): the verdict is *inconclusive*, and this would
     /// decide.
     pub undecided: Option<Undecided>,
-    /// Changes of numbers of the scene that fit the difference, the most significant first; for
+    /// Changes of parameters of the scene that fit the difference, the most significant first; for
     /// images that differ, where [sensitivities](super::Conditions::sensitivities) are known.
     pub changes: Vec<NumberChange>,
-    /// Changes of these numbers that would have been seen.
+    /// Changes of these parameters that would have been seen.
     pub detectable: Vec<Detectable>,
 }
 
-/// The smallest change of a number of the scene that two images, of the noise that they have, would
+/// The smallest change of a parameter of the scene that two images, of the noise that they have, would
 /// show with probability one half.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Detectable {
-    /// Name of the number: `density`.
+    /// Name of the parameter: `density`.
     pub name: String,
     /// The change in words.
     pub words: String,
-    /// Size of the change, in the unit of the number; for most numbers a share of it.
+    /// Size of the change, in the unit of the parameter; for most parameters a share of it.
     pub change: f64,
 }
 
-/// A change of a number of the scene, estimated from the difference of two images.
+/// A change of a parameter of the scene, estimated from the difference of two images.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct NumberChange {
-    /// Name of the number: `density`.
+    /// Name of the parameter: `density`.
     pub name: String,
     /// The change in words, with its error.
     pub words: String,
-    /// Change of the test image against the reference, in the unit of the number; for most numbers
+    /// Change of the test image against the reference, in the unit of the parameter; for most parameters
     /// a share of it.
     pub change: f64,
     /// Standard error.

@@ -51,7 +51,7 @@ use incomparable::{REFERENCE, TEST};
 use precision::CUT_OFF;
 
 impl Gate {
-    /// Its description.
+    /// Its name, its rule and its metrics, for reports and help.
     pub fn description(self) -> &'static Description {
         match self {
             Gate::Exact => &exact::DESCRIPTION,
@@ -62,7 +62,7 @@ impl Gate {
         }
     }
 
-    /// Its name.
+    /// Its name, as in JSON and after `--gate`.
     pub fn name(self) -> &'static str {
         self.description().name
     }
@@ -115,6 +115,12 @@ pub(crate) fn default_gate(reference: &Picture, test: &Picture) -> (Gate, &'stat
     }
 }
 
+/// True if `test` passes as `reference` by the [default gate](default_gate) of the pair.
+pub(crate) fn passes(reference: &Picture, test: &Picture, conditions: &Conditions<'_>) -> bool {
+    let (gate, _) = default_gate(reference, test);
+    judge(gate, reference, test, conditions).is_ok_and(|judgement| judgement.passed)
+}
+
 /// The pixels of an image of `width` × `height` that are at most `reach` rows and columns from one, with that one.
 pub(crate) fn around(
     index: usize,
@@ -134,12 +140,10 @@ pub(crate) fn are_comparable(reference: &Film, test: &Film) -> bool {
 /// Meaning of a metric of any gate.
 pub fn metric_meaning(name: &str) -> Option<&'static str> {
     let gates = GATES.into_iter().chain([Gate::Refinement]);
-    let mut metrics = gates.flat_map(|gate| gate.description().metrics);
-    let found = metrics.find(|(known, _)| *known == name);
-    let common = [&NON_FINITE, &CUT_OFF, &OUTLIERS_OF_DEPTH]
-        .into_iter()
-        .find(|(known, _)| *known == name);
-    found.or(common).map(|&(_, meaning)| meaning)
+    let metrics = gates.flat_map(|gate| gate.description().metrics);
+    let mut all = metrics.chain([&NON_FINITE, &CUT_OFF, &OUTLIERS_OF_DEPTH]);
+    let (_, meaning) = all.find(|(known, _)| *known == name)?;
+    Some(meaning)
 }
 
 /// Compares `test` with `reference`: first checks sizes and that all pixels are finite, then applies
@@ -160,7 +164,7 @@ pub fn judge(
         let [reference, test] = pair.map(|picture| picture.radiance_for(gate));
         Ok((reference?, test?))
     };
-    let judgement = match (incomparable::pictures(gate, reference, test), gate) {
+    let mut judgement = match (incomparable::pictures(gate, reference, test), gate) {
         (Some(difference), _) => difference,
         (None, Gate::Exact) => films().map(|(reference, test)| exact::judge(reference, test))?,
         (None, Gate::Deterministic | Gate::Refinement) => {
@@ -178,21 +182,15 @@ pub fn judge(
             stochastic::judge_with(reference, test, level, promise, conditions.sensitivities)?
         }
     };
-    let judgement = match (reference, test) {
-        (Picture::Radiance(golden), Picture::Radiance(test)) => {
-            judgement.with_precision_of(golden, test)
+    if let [Some(golden), Some(test)] = pair.map(Picture::radiance) {
+        judgement = judgement.with_precision_of(golden, test);
+    }
+    for (name, picture) in [(REFERENCE, reference), (TEST, test)] {
+        if let Some(film) = picture.radiance() {
+            judgement = judgement.with_changes_of(name, film);
         }
-        _ => judgement,
-    };
-    let named = [(REFERENCE, reference), (TEST, test)];
-    Ok(named
-        .into_iter()
-        .fold(judgement, |judgement, (name, picture)| {
-            match picture.radiance() {
-                Some(film) => judgement.with_changes_of(name, film),
-                None => judgement,
-            }
-        }))
+    }
+    Ok(judgement)
 }
 
 #[cfg(test)]

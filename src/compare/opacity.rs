@@ -19,8 +19,8 @@ pub(super) struct OpacityDifference {
 }
 
 impl OpacityDifference {
-    /// Sentence on the pixels, if more than this share of `outliers` are off, or one by more than `cap` tolerances; or on
-    /// the mean, if it is off by more than `of_mean` of that of the reference.
+    /// Sentence on an opacity that is off: more than the share `outliers` of the pixels, or one pixel by more than `cap`
+    /// tolerances, or the mean by more than `of_mean` allows for the mean of the reference.
     pub fn in_words(
         &self,
         width: usize,
@@ -28,19 +28,15 @@ impl OpacityDifference {
         cap: f64,
         of_mean: fn(f64) -> f64,
     ) -> Option<String> {
-        let Outliers {
-            count,
-            outside,
-            worst: (at, worst),
-            ..
-        } = self.pixels;
-        let is_off =
-            self.pixels.share() > outliers || worst > cap || self.mean.abs() > of_mean(self.golden);
+        let (share, (at, worst)) = (self.pixels.share(), self.pixels.worst);
+        let is_off = share > outliers || worst > cap || self.mean.abs() > of_mean(self.golden);
         is_off.then(|| {
             format!(
-                "the colours agree; the opacity of {outside} of {count} pixels ({:.3} %) differs by more than 0.001 + 1 %. \
+                "the colours agree; the opacity of {} of {} pixels ({:.3} %) differs by more than 0.001 + 1 %. \
                  The worst is ({}, {}); the mean is too {} by {:.3e}",
-                100.0 * self.pixels.share(),
+                self.pixels.outside,
+                self.pixels.count,
+                100.0 * share,
                 at % width,
                 at / width,
                 if self.mean > 0.0 { "high" } else { "low" },

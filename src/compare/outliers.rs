@@ -2,7 +2,7 @@
 
 /// Pixels of an image by how far each is off, in what it may be off by.
 #[derive(Default)]
-pub(super) struct Outliers {
+pub(crate) struct Outliers {
     /// Number of all pixels.
     pub count: usize,
     /// Number of pixels that are off by more than they may be.
@@ -15,7 +15,7 @@ pub(super) struct Outliers {
 
 impl Outliers {
     /// By how far each pixel is off, row by row.
-    pub fn of(excesses: impl Iterator<Item = f64>) -> Outliers {
+    pub(super) fn of(excesses: impl Iterator<Item = f64>) -> Outliers {
         let mut outliers = Outliers::default();
         for (index, excess) in excesses.enumerate() {
             outliers.count += 1;

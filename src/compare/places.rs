@@ -1,8 +1,8 @@
 //! Places of the difference between two images: what it lies in more than in others.
 //!
-//! These are measurements, not causes: they hold whether or not anybody knows what went wrong. A place is named where it
-//! holds far more of the squared difference than of the pixels, beyond its own uncertainty, which comes from leaving out
-//! a twentieth of the image at a time (the jackknife; Efron & Stein 1981, Annals of Statistics 9, 586–596).
+//! These are measurements, not causes: they hold whether or not anybody knows what went wrong. A sentence names a place
+//! that holds far more of the squared difference than of the pixels, beyond its own uncertainty. The uncertainty comes
+//! from leaving out a twentieth of the image at a time (the jackknife; Efron & Stein 1981, Annals of Statistics 9, 586–596).
 //!
 //! Differences are relative to the brightness of the golden plus its mean, and each sentence says so: a lamp
 //! may hold most of the absolute difference and little of the relative one.
@@ -16,9 +16,11 @@ const PARTS: usize = 20;
 /// Smallest measurement that is reported, in standard errors: by chance one in 370 is.
 const SIGNIFICANT: f64 = 3.0;
 
-/// Share of the squared difference that is worth saying of a place, and its odds over those of the place's share of the
-/// pixels: a fifth of them holds half, a half of them four fifths.
+/// Smallest share of the squared difference for which a place is named.
 const WORTH_SAYING: f64 = 0.3;
+
+/// Smallest ratio of the odds of that share to the odds of the place's share of the pixels: a fifth of the pixels must hold
+/// half of the difference, a half of them four fifths.
 const ODDS: f64 = 4.0;
 
 /// Share of the squared difference in one channel, if it is said to lie there: a third would be its due.
@@ -40,11 +42,7 @@ const OUTSIDE: f64 = 0.01;
 /// Sentences, without a full stop, on where `test` differs from `golden`, and how; none where nothing can be measured:
 /// other sizes, values that are no numbers, or no difference beyond noise.
 pub fn measured(golden: &Film, test: &Film) -> Vec<String> {
-    let differences = golden
-        .is_comparable(test)
-        .then(|| Differences::new(golden, test))
-        .flatten();
-    let Some(differences) = differences else {
+    let Some(differences) = Differences::new(golden, test) else {
         return Vec::new();
     };
     let shares = Shares::of(&differences);
@@ -53,26 +51,20 @@ pub fn measured(golden: &Film, test: &Film) -> Vec<String> {
         return Vec::new();
     }
     let mut said = Vec::new();
-    let channel = |c: usize| shares.channel(c).is_at_least(IN_ONE_CHANNEL);
-    said.extend((0..3).find(|&c| channel(c)).map(|c| {
-        let share = left(shares.channel(c).value);
-        format!(
-            "{share} of the squared relative difference is in {}",
-            CHANNELS[c]
-        )
-    }));
-    said.extend(
-        (!has_noise)
-            .then(|| gain(&differences, shares.whole))
-            .flatten(),
-    );
+    let is_in_one = |c: &usize| shares.channel(*c).is_at_least(IN_ONE_CHANNEL);
+    if let Some(c) = (0..3).find(is_in_one) {
+        let (share, name) = (left(shares.channel(c).value), CHANNELS[c]);
+        said.push(format!(
+            "{share} of the squared relative difference is in {name}"
+        ));
+    }
+    if !has_noise {
+        said.extend(gain(&differences, shares.whole));
+    }
     said.extend(places(&differences, &shares));
     // Noise of single lines would decide where the box ends.
-    said.extend(in_a_box(
-        &differences,
-        &shares,
-        if has_noise { BLOCK } else { 1 },
-    ));
+    let unit = if has_noise { BLOCK } else { 1 };
+    said.extend(in_a_box(&differences, &shares, unit));
     said
 }
 
@@ -85,12 +77,11 @@ struct Differences<'f> {
 }
 
 impl<'f> Differences<'f> {
+    /// The differences; `None` of images that cannot be compared, and where the golden is black.
     fn new(golden: &'f Film, test: &'f Film) -> Option<Differences<'f>> {
-        Some(Differences {
-            golden,
-            test,
-            mean: golden.mean_magnitude().filter(|&mean| mean > 0.0)?,
-        })
+        let mean = golden.mean_magnitude().filter(|&mean| mean > 0.0)?;
+        let differences = Differences { golden, test, mean };
+        golden.is_comparable(test).then_some(differences)
     }
 
     fn value(&self, i: usize, c: usize) -> f64 {
@@ -125,6 +116,11 @@ impl<'f> Differences<'f> {
     /// True for a pixel at least a tenth as bright as the mean: a background has neither edges nor brightness.
     fn is_lit(&self, i: usize) -> bool {
         (0..3).map(|c| self.value(i, c)).sum::<f64>() > 0.3 * self.mean
+    }
+
+    fn lit_pixels(&self) -> Vec<usize> {
+        let all = 0..self.golden.radiance().len();
+        all.filter(|&i| self.is_lit(i)).collect()
     }
 
     /// Square of the golden's slope to the pixels beside, weighed.
@@ -253,24 +249,19 @@ fn gain(differences: &Differences<'_>, whole: f64) -> Option<String> {
 
 /// Sentences on the places that hold clearly more than their share.
 fn places(differences: &Differences<'_>, shares: &Shares) -> Vec<String> {
-    let golden = differences.golden;
-    let count = golden.radiance().len();
-    let lit: Vec<usize> = (0..count).filter(|&i| differences.is_lit(i)).collect();
+    let lit = differences.lit_pixels();
     let mut steepness: Vec<f64> = lit.iter().map(|&i| differences.steepness(i)).collect();
     steepness.sort_by(f64::total_cmp);
     let steep = ((1.0 - STEEPEST) * lit.len().saturating_sub(1) as f64) as usize;
     let steep = steepness.get(steep).copied().unwrap_or(0.0);
-    let noise = golden.noise().filter(|noise| !noise.is_known());
+    let noise = differences.golden.noise();
+    let noise = noise.filter(|noise| !noise.is_known());
     let said = |place: &str, is: &dyn Fn(usize) -> bool| {
         let due = lit.iter().filter(|&&i| is(i)).count() as f64 / lit.len().max(1) as f64;
         let share = shares.pixels(differences, is);
-        let words = || {
-            format!(
-                "{} of the squared relative difference lies {place}",
-                left(share.value)
-            )
-        };
-        (is_clearly_more(share.value, due) && share.is_at_least(due)).then(words)
+        let in_words = left(share.value);
+        (is_clearly_more(share.value, due) && share.is_at_least(due))
+            .then(|| format!("{in_words} of the squared relative difference lies {place}"))
     };
     let edges = "at edges: in the fifth of the lit pixels where the golden is steepest";
     let silent = "in pixels without noise, such as a lamp or a sky that is seen";
@@ -305,8 +296,7 @@ fn in_a_box(differences: &Differences<'_>, shares: &Shares, unit: usize) -> Opti
         first * unit..(last * unit).clamp(first * unit, length)
     });
     let is_inside = |i: &usize| columns.contains(&(i % width)) && rows.contains(&(i / width));
-    let lit = (0..width * height).filter(|&i| differences.is_lit(i));
-    let lit: Vec<usize> = lit.collect();
+    let lit = differences.lit_pixels();
     let inside = lit.iter().filter(|i| is_inside(i)).count() as f64 / lit.len() as f64;
     let area = (columns.len() * rows.len()) as f64 / (width * height) as f64;
     (area > 0.0 && area <= PART_OF_IMAGE && inside <= PART_OF_IMAGE).then(|| {
@@ -319,7 +309,7 @@ fn in_a_box(differences: &Differences<'_>, shares: &Shares, unit: usize) -> Opti
     })
 }
 
-/// A share in per cent.
+/// A share in per cent, with one decimal: `12.3 %`, `less than 0.1 %`.
 pub(crate) fn left(share: f64) -> String {
     match 100.0 * share {
         percent if percent < 0.1 => "less than 0.1 %".to_owned(),

@@ -1,8 +1,7 @@
 //! Biases that a passing image must have been able to show.
 
-/// Smallest promised bias, in units of the bias that the noise of the reference hides from any
-/// image: an image with a fifteenth of the reference's samples keeps it, where all samples are
-/// alike, for the variances add up, and 1 + 15 = 4².
+/// Smallest promised bias, in units of the bias that the noise of the reference hides from any image. An image with a
+/// fifteenth of the reference's samples keeps the promise, if all samples are alike: variances add up, and 1 + 15 = 4².
 const TIMES_HIDDEN: f64 = 4.0;
 
 /// Biases that an image which passes would have shown with probability one half, relative to the radiance plus

@@ -10,20 +10,19 @@
 //! irregular in the step, where a ray leaves the volume in the middle of one; means over an image are
 //! not: they are extrapolated, and must agree much better.
 //!
-//! Two things are allowed besides, as what they change is no fault of the rule: values off by half an
-//! entry of a table (the caller renders what that changes), and rays that end where less than 1/255 of
-//! the light would still come through.
+//! The gate allows two things besides, which are no fault of the rule. Values may be off by half an entry of a table: the
+//! caller renders what that changes. Rays may end where less than 1/255 of the light would still come through.
 //!
-//! Rules of first order with a last step that is cut off have errors that the step does not bound by
-//! order: there a pixel may also be off by what such rules are off by at the smallest step, which the
-//! caller renders. A single image gives no order; it may deviate as much as images of those rules at its step.
+//! The last step of a ray is cut off, and a rule of first order makes an error there that no order bounds. So with such a
+//! rule a pixel may also be off by as much as images of first order are at the smallest step, which the caller renders.
+//! A single image gives no order; it may deviate as much as images of those rules at its step.
 //!
 //! Sources: Richardson 1911, *Phil. Trans. A* 210, 307–357; Roache 1994, "Perspective: a method for
 //! uniform reporting of grid refinement studies", *J. Fluids Eng.* 116, 405–413.
 
 use super::advice::Undecided;
 use super::around;
-use super::deterministic::{BIAS, FAR_SHARE, OUTLIERS, in_tolerances, tolerance};
+use super::deterministic::{BIAS, FAR_SHARE, OUTLIERS, outliers, tolerance};
 use super::gate::{Description, Gate, MEAN_DIFFERENCES, metrics};
 use super::incomparable;
 use super::judgement::Judgement;
@@ -52,8 +51,8 @@ const ORDERS: [f64; 2] = [0.5, 2.0];
 const HALFWAY: f64 = 1.5;
 
 /// The extrapolated mean of a channel may be off by this share of its own correction, beside what the
-/// deterministic gate allows: if the order of the means is off by a half, the factor
-/// 1/(2^p − 1) is off by up to 1 − (2^1 − 1)/(2^1.5 − 1) = 45 % at p = 1, and by less at p = 2.
+/// deterministic gate allows. The order of the means may be off by a half. The factor 1/(2^p − 1) is then off by up to
+/// 1 − (2^1 − 1)/(2^1.5 − 1) = 45 % at p = 1, and by less at p = 2.
 const OF_THE_CORRECTION: f64 = 0.5;
 
 /// Transmittance at which a renderer for displays of 8 bits may end a ray: what is behind, at most
@@ -119,7 +118,8 @@ pub(crate) fn judge_refinement(
     let changes = [[coarse, middle], [middle, fine]].map(|[a, b]| in_rms_tolerances(golden, a, b));
     let observed = log2(changes[0] / changes[1]);
     let [least, most] = ORDERS;
-    let is_still = changes[1] <= STILL || observed < least && agrees(golden, fine);
+    let agrees = || outliers(golden, &fine.nearest_to(golden)).share() <= OUTLIERS;
+    let is_still = changes[1] <= STILL || observed < least && agrees();
     // Images that no longer change, or agree though they do, are left as they are.
     let order = if is_still { 1.0 } else { observed };
     let order = order.clamp(least, most);
@@ -130,16 +130,16 @@ pub(crate) fn judge_refinement(
         extrapolated(middle, fine, factor)
     };
 
-    let mut metrics = Vec::new();
+    let errors = [&images[0], fine, &limit].map(|image| relative_error(golden, image));
+    let [at_step, at_finest, left] = errors;
+    let mut metrics = vec![
+        ("error_at_step", at_step),
+        ("error_at_finest_step", at_finest),
+        ("error_of_limit", left),
+    ];
     if !is_still {
         metrics.push(("observed_order", observed));
     }
-    let at_step = relative_error(golden, &images[0]);
-    metrics.push(("error_at_step", at_step));
-    let at_finest = relative_error(golden, fine);
-    metrics.push(("error_at_finest_step", at_finest));
-    let left = relative_error(golden, &limit);
-    metrics.push(("error_of_limit", left));
 
     let mut step_errors = step_errors(golden, [coarse, middle, fine], order, factor);
     if !is_still && order < HALFWAY {
@@ -190,13 +190,6 @@ fn step_errors(
     let of_coarse = distances(coarse, middle, SAFETY * factor * exp2(-order));
     enlarge(&mut errors, &of_coarse);
     largest_around(golden, &errors)
-}
-
-/// True if enough pixels are within tolerance.
-fn agrees(golden: &Film, image: &Film) -> bool {
-    let image = image.nearest_to(golden);
-    let pixels = golden.radiance().iter().zip(image.radiance());
-    Outliers::of(pixels.map(|(golden, test)| in_tolerances(*golden, *test))).share() <= OUTLIERS
 }
 
 /// Raises each error to the other one, if that is larger.
@@ -300,14 +293,9 @@ impl Judged<'_> {
                 most.max((test - right).abs() / allowed)
             })
         }));
-        let Outliers {
-            count,
-            outside,
-            worst,
-            ..
-        } = pixels;
-        let share = pixels.share();
-        let [column, row] = [worst.0 % golden.width(), worst.0 / golden.width()];
+        let (count, outside, share) = (pixels.count, pixels.outside, pixels.share());
+        let (at, worst) = pixels.worst;
+        let [column, row] = [at % golden.width(), at / golden.width()];
         let [right, test] = [&self.cut_off(), self.mean_of].map(means);
         let quantisation = self.image.quantisation();
         let half_code = |mean: f64| quantisation.map_or(0.0, |it| it.half_code(mean));
@@ -323,22 +311,19 @@ impl Judged<'_> {
             ("pixels_off_limit", outside as f64),
             ("share_off_limit", share),
             (FAR_SHARE.0, pixels.far_share()),
-            ("worst_off_limit", worst.1),
+            ("worst_off_limit", worst),
             ("worst_column", column as f64),
             ("worst_row", row as f64),
-            (MEAN_DIFFERENCES[0].0, off[0]),
-            (MEAN_DIFFERENCES[1].0, off[1]),
-            (MEAN_DIFFERENCES[2].0, off[2]),
         ]);
+        metrics.extend((0..3).map(|c| (MEAN_DIFFERENCES[c].0, off[c])));
         let most = (0..3)
             .max_by(|&a, &b| bias[a].total_cmp(&bias[b]))
             .unwrap_or(0);
         if share > OUTLIERS {
             let reason = format!(
                 "{outside} of {count} pixels ({:.3} %) are off by more than their step explains, the worst, \
-                 ({column}, {row}), by {:.1} times that; {steps}",
-                100.0 * share,
-                worst.1
+                 ({column}, {row}), by {worst:.1} times that; {steps}",
+                100.0 * share
             );
             return Judgement::new(Gate::Refinement, false, reason, &metrics);
         }
@@ -406,11 +391,8 @@ fn relative_error(golden: &Film, image: &Film) -> f64 {
         sums[1].add(right * right);
     }
     let [off, right] = sums.map(|sum| sum.value());
-    if right > 0.0 {
-        (off / right).sqrt()
-    } else {
-        off.sqrt()
-    }
+    let unit = if right > 0.0 { right } else { 1.0 };
+    (off / unit).sqrt()
 }
 
 /// `fine + factor (fine − before)`, not below 0.
@@ -451,15 +433,11 @@ fn means(image: &Film) -> [f64; 3] {
 /// Light behind the last level of a display, at most, in pixels that are so opaque: a renderer
 /// that ends rays there may lack it.
 fn behind_last_level(golden: &Film) -> Vec<f64> {
-    let brightest = golden.brightest();
+    let most = LAST_LEVEL * golden.brightest();
     let behind = |index: usize| {
         let [.., opacity] = golden.pixel(index);
         let is_opaque = golden.opacity().is_some() && f64::from(opacity) > 1.0 - LAST_LEVEL;
-        if is_opaque {
-            LAST_LEVEL * brightest
-        } else {
-            0.0
-        }
+        if is_opaque { most } else { 0.0 }
     };
     (0..golden.radiance().len()).map(behind).collect()
 }

@@ -1,19 +1,19 @@
-//! The derivative of an image by a number of its scene, in blocks, as a gate uses it.
+//! The derivative of an image by a parameter of its scene, in blocks, as a gate uses it.
 
 use crate::film::Film;
 
-/// Derivative of the image of a scene by one of its numbers.
+/// Derivative of the image of a scene by one of its parameters.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sensitivity {
     /// `density`, `reflectance.2`.
     pub name: String,
-    /// Description of the number, for a sentence.
+    /// Description of the parameter, for a sentence.
     pub words: String,
     /// Unit of its changes: `None` for shares of itself, empty for a bare number.
     pub unit: Option<String>,
     /// Change by which the derivative was taken; infinite where the image changes in proportion.
     pub step: f64,
-    /// True where the number can be smaller, and larger: an albedo of 1 cannot be larger.
+    /// True where the parameter can be smaller, and larger: an albedo of 1 cannot be larger.
     pub can_be: [bool; 2],
     /// Mean derivative of each block of [`BLOCK`](super::stochastic::BLOCK)² pixels, per unit of change, with its variance.
     pub derivative: Film,
@@ -22,12 +22,8 @@ pub struct Sensitivity {
 impl Sensitivity {
     /// A change in words: `2.1 ± 0.3 % too large`, `off by −0.25 ± 0.02 pixels`.
     pub fn in_words(&self, change: f64, error: f64) -> String {
-        let error = if self.is_far(change) {
-            // The derivative is that at the right number: of its error nothing is known.
-            None
-        } else {
-            Some(error)
-        };
+        // Far from the right value, at which the derivative was taken, no error is known.
+        let error = Some(error).filter(|_| !self.is_far(change));
         change_in_words(&self.words, self.unit.as_deref(), change, error)
     }
 
@@ -42,17 +38,12 @@ impl Sensitivity {
         0.1 * change * change / self.step
     }
 
-    /// True if the number can change in this direction.
-    pub(crate) fn can_change(&self, change: f64) -> bool {
-        self.can_be[usize::from(change > 0.0)]
-    }
-
-    /// True if the number can be changed by this: a share of itself no further than to 0.
+    /// True if the parameter can be changed by this, in this direction: a share of itself no further than to 0.
     pub fn is_possible(&self, change: f64) -> bool {
-        self.can_change(change) && self.stays_positive(change)
+        self.can_be[usize::from(change > 0.0)] && self.stays_positive(change)
     }
 
-    /// True if the number stays positive, where the change is a share of it.
+    /// True if the parameter stays positive, where the change is a share of it.
     pub(crate) fn stays_positive(&self, change: f64) -> bool {
         self.unit.is_some() || change > -1.0
     }

@@ -1,7 +1,7 @@
 //! The share of a difference that a hypothesis leaves unexplained.
 //!
 //! A test image differs from the golden by a squared distance D(golden, test), noise taken out. A
-//! prediction of the test image, by a mistake that may have been made or by numbers that were fitted,
+//! prediction of the test image, by a mistake that may have been made or by parameters that were fitted,
 //! leaves D(prediction, test) of it. The ratio is what is not explained: about 0 if the hypothesis
 //! is the right one, 1 if it says nothing of the image, more if it moves away from it. Both
 //! distances are estimates where pixels have noise, so the share has a bound on either side.
@@ -24,9 +24,9 @@ pub(crate) const UNEXPLAINED: f64 = 0.02;
 /// quarter of the difference, root mean square.
 pub(crate) const UNEXPLAINED_IN_NOISE: f64 = 0.05;
 
-/// Largest share of the squared difference that a mistake with which the scene agrees with the image may leave,
-/// beyond doubt: what is as far from the image as from the golden says nothing of the difference. Less than the
-/// half that a wrong one in the right direction, of a random size, leaves.
+/// Largest share of the squared difference that a mistake may leave, beyond doubt, if the scene with it agrees with the
+/// image. A prediction as far from the image as from the golden explains nothing. A wrong mistake in the right
+/// direction, of a random size, leaves a half.
 pub(crate) const MOST_IN_NOISE: f64 = 0.4;
 
 /// Standard errors of a bound: beyond it is one chance in forty.

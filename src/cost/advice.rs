@@ -139,7 +139,7 @@ mod tests {
                 bound: 1e-3,
             },
             levels: [1.0, 16.0, 64.0].map(level).into(),
-            order: order(&[], &[], ExpectedOrder::OF_SAMPLES, 0.0),
+            order: order(Vec::new(), ExpectedOrder::OF_SAMPLES, 0.0),
             cut: None,
         };
         let (text, setting) = text_and_setting(1e-4, &sweep);

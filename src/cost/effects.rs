@@ -1,9 +1,8 @@
 //! The cost of each effect by itself.
 
-use super::MeanWork;
-use super::thumbnail::thumbnail;
 use super::timing::{Clock, Times};
 use super::work::measured;
+use super::{MeanWork, thumbnail};
 use crate::optics::{Coefficients, Density, Phase};
 use crate::render::RenderError;
 use crate::scene::{Body, Classified, Model, Panel, Radiative, Scattering, Scene};
@@ -28,25 +27,20 @@ pub struct EffectPrice {
     pub times_lookups: Option<f64>,
 }
 
-/// The effects of `panel` in small images, each effect added alone to the scene without any; the last one has all of
-/// them.
-fn variants(panel: &Panel) -> Vec<(String, Model)> {
-    match &panel.model {
-        Model::Classified(scene) => of_classified(scene),
-        Model::Radiative(scene) => of_radiative(scene),
-        Model::Curve(_) => vec![],
-    }
-}
-
-/// The cost of the effects of `panel`, as many as there is time for; random numbers by `seed`.
+/// The cost of the effects of `panel`, each added alone to the scene without any; the last one has all of them. As many as
+/// there is time for, in small images, with random numbers by `seed`.
 pub(super) fn prices(
     panel: &Panel,
     seed: u64,
     clock: &Clock,
 ) -> Result<Vec<EffectPrice>, RenderError> {
-    let variants = variants(panel).into_iter();
+    let variants = match &panel.model {
+        Model::Classified(scene) => of_classified(scene),
+        Model::Radiative(scene) => of_radiative(scene),
+        Model::Curve(_) => vec![],
+    };
     let small = |(name, model)| (name, Scene::of(thumbnail(panel, model, SIDE)));
-    let (names, scenes): (Vec<_>, Vec<_>) = variants.map(small).unzip();
+    let (names, scenes): (Vec<_>, Vec<_>) = variants.into_iter().map(small).unzip();
     let measured = measured(&scenes, Some(SAMPLES), seed, clock)?;
     let first = measured.first().map_or(0.0, |image| image.work.price());
     let prices = names
@@ -114,8 +108,7 @@ fn grey(coefficients: &Coefficients, factor: f64) -> Coefficients {
 }
 
 fn of_radiative(scene: &Radiative) -> Vec<(String, Model)> {
-    // What is left without effects: light that is not scattered, in grey, homogeneous, isotropic media that
-    // emit nothing.
+    // Without effects nothing scatters light, and media are grey, homogeneous and isotropic, and emit nothing.
     let mut plain = scene.clone();
     plain.scattering = Scattering::None;
     for body in &mut plain.media {

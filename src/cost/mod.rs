@@ -12,7 +12,6 @@ pub mod order;
 mod parameter;
 mod reference;
 mod sweep;
-mod thumbnail;
 pub mod timing;
 mod work;
 
@@ -94,6 +93,14 @@ pub fn cost(
         Ok(cost)
     });
     costs.collect()
+}
+
+/// `panel` with another `model`, its larger side at most `most` pixels: costs are per pixel.
+fn thumbnail(panel: &Panel, model: Model, most: usize) -> Panel {
+    let larger = panel.width.max(panel.height);
+    let most = most.min(larger);
+    let size = [panel.width, panel.height].map(|side| (side * most).div_ceil(larger).max(1));
+    Panel::of(model, size)
 }
 
 impl Cost {

@@ -91,32 +91,23 @@ impl ExpectedOrder {
     };
 }
 
-/// The order in which errors fall with `values`, of settings from coarse to fine, against a
-/// reference that may be off by `bound`.
-pub fn order(
-    values: &[f64],
-    errors: &[Norms],
-    expected: ExpectedOrder,
-    bound: f64,
-) -> ConvergenceOrder {
-    let points = values.iter().zip(errors);
-    let points = points.map(|(&value, norms)| ErrorPoint {
-        value,
-        error: norms.l2,
-        uncertainty: norms.uncertainty,
-    });
-    let mut points: Vec<ErrorPoint> = points.collect();
+/// A setting and its error.
+pub type ErrorPoint = (f64, Norms);
+
+/// The order in which errors fall with settings, from coarse to fine, against a reference that may be off by `bound`.
+pub fn order(mut points: Vec<ErrorPoint>, expected: ExpectedOrder, bound: f64) -> ConvergenceOrder {
     let (floor, ceiling) = if expected.by_chance {
         (ABOVE_THE_NOISE * bound, f64::INFINITY)
     } else {
         (ABOVE_THE_BOUND * bound, COARSE)
     };
     let local = points.windows(2).map(|pair| {
-        let line = line(pair).filter(|_| pair[1].error > bound)?;
+        let (_, error) = pair[1];
+        let line = line(pair).filter(|_| error.l2 > bound)?;
         Some(line.slope)
     });
     let local = local.collect();
-    points.retain(|point| point.error > floor && point.error < ceiling);
+    points.retain(|(_, error)| error.l2 > floor && error.l2 < ceiling);
     if !expected.by_chance && points.len() > MOST {
         points.drain(..points.len() - MOST);
     }
@@ -153,15 +144,6 @@ pub fn order(
     }
 }
 
-/// A setting and its error.
-#[derive(Clone, Copy, Debug)]
-struct ErrorPoint {
-    value: f64,
-    error: f64,
-    /// Relative standard error of the error.
-    uncertainty: f64,
-}
-
 /// A straight line through logarithms.
 #[derive(Clone, Copy, Debug)]
 struct FittedLine {
@@ -174,20 +156,20 @@ struct FittedLine {
 /// than two different ones.
 fn line(points: &[ErrorPoint]) -> Option<FittedLine> {
     let usable =
-        |point: &ErrorPoint| point.value > 0.0 && point.error > 0.0 && point.error.is_finite();
+        |(value, error): &ErrorPoint| *value > 0.0 && error.l2 > 0.0 && error.l2.is_finite();
     if points.len() < 2 || !points.iter().all(usable) {
         return None;
     }
-    let xs: Vec<f64> = points.iter().map(|point| math::ln(point.value)).collect();
-    let ys: Vec<f64> = points.iter().map(|point| math::ln(point.error)).collect();
+    let xs: Vec<f64> = points.iter().map(|(value, _)| math::ln(*value)).collect();
+    let ys: Vec<f64> = points.iter().map(|(_, error)| math::ln(error.l2)).collect();
     let mean = |numbers: &[f64]| numbers.iter().sum::<f64>() / numbers.len() as f64;
     let (mean_x, mean_y) = (mean(&xs), mean(&ys));
     let (mut across, mut along, mut doubt) = (0.0, 0.0, 0.0);
-    for ((x, y), point) in xs.iter().zip(&ys).zip(points) {
+    for ((x, y), (_, error)) in xs.iter().zip(&ys).zip(points) {
         across += (x - mean_x) * (y - mean_y);
         along += (x - mean_x) * (x - mean_x);
         // The logarithm of an error is off by as much as the error is relative to itself.
-        doubt += (x - mean_x) * (x - mean_x) * (point.uncertainty * point.uncertainty);
+        doubt += (x - mean_x) * (x - mean_x) * (error.uncertainty * error.uncertainty);
     }
     (along > 0.0).then(|| FittedLine {
         slope: across / along,
@@ -199,30 +181,30 @@ fn line(points: &[ErrorPoint]) -> Option<FittedLine> {
 mod tests {
     use super::*;
 
-    fn sweep(error: impl Fn(f64) -> f64) -> (Vec<f64>, Vec<Norms>) {
-        let steps = [1.0, 0.5, 0.25, 0.125, 0.0625, 0.03125];
-        let norms = |&h: &f64| Norms {
-            l2: error(h),
+    fn sweep(error: impl Fn(f64) -> f64) -> Vec<ErrorPoint> {
+        let norms = |l2| Norms {
+            l2,
             uncertainty: 0.0,
         };
-        (steps.to_vec(), steps.iter().map(norms).collect())
+        let steps = [1.0, 0.5, 0.25, 0.125, 0.0625, 0.03125];
+        steps.map(|h| (h, norms(error(h)))).to_vec()
     }
 
     #[test]
     fn a_power_is_found_and_judged() {
-        let (steps, errors) = sweep(|h| 0.05 * h * h);
-        let found = order(&steps, &errors, ExpectedOrder::of_step(2.0), 1e-12);
+        let points = sweep(|h| 0.05 * h * h);
+        let found = order(points.clone(), ExpectedOrder::of_step(2.0), 1e-12);
         assert!((found.fitted.unwrap() - 2.0).abs() < 1e-12);
         assert_eq!(found.verdict, OrderVerdict::AsExpected);
-        let found = order(&steps, &errors, ExpectedOrder::of_step(1.0), 1e-12);
+        let found = order(points, ExpectedOrder::of_step(1.0), 1e-12);
         assert_eq!(found.verdict, OrderVerdict::Otherwise);
     }
 
     #[test]
     fn what_the_reference_does_not_know_is_not_judged() {
-        let (steps, errors) = sweep(|h| 0.05 * h * h);
+        let points = sweep(|h| 0.05 * h * h);
         // Below 100 × 1e-4 are all but the two coarsest.
-        let found = order(&steps, &errors, ExpectedOrder::of_step(2.0), 1e-4);
+        let found = order(points, ExpectedOrder::of_step(2.0), 1e-4);
         assert_eq!(
             (found.fitted, found.verdict),
             (None, OrderVerdict::Undecided)
@@ -231,15 +213,15 @@ mod tests {
 
     #[test]
     fn a_floor_is_no_power() {
-        let (steps, errors) = sweep(|h| 0.05 * h * h + 1e-3);
-        let found = order(&steps, &errors, ExpectedOrder::of_step(2.0), 1e-12);
+        let points = sweep(|h| 0.05 * h * h + 1e-3);
+        let found = order(points, ExpectedOrder::of_step(2.0), 1e-12);
         assert_eq!(found.verdict, OrderVerdict::Undecided);
     }
 
     #[test]
     fn no_error_has_no_order() {
-        let (steps, errors) = sweep(|_| 0.0);
-        let found = order(&steps, &errors, ExpectedOrder::of_step(2.0), 0.0);
+        let points = sweep(|_| 0.0);
+        let found = order(points, ExpectedOrder::of_step(2.0), 0.0);
         assert_eq!(found.verdict, OrderVerdict::Undecided);
     }
 }

@@ -62,7 +62,7 @@ impl Parameter {
         format!("{value} {}{plural}", self.unit())
     }
 
-    /// What a setting counts.
+    /// The unit in which a setting is given, in the singular.
     pub fn unit(self) -> &'static str {
         match self {
             Parameter::Step | Parameter::ShadowStep => "voxel",

@@ -18,9 +18,9 @@ pub struct Reference {
     pub bound: f64,
 }
 
-/// The reference step is this share of the finest one. Where errors fall in proportion to the step, the reference is
-/// off by a 32nd of what the finest step is, so that all but the two finest settings are more than 100 times as far
-/// off; and by less where errors fall faster.
+/// The reference step is this share of the finest one. If errors fall in proportion to the step, the error of the reference
+/// is a 32nd of that of the finest step: all but the two finest settings are more than 100 times as far off. If errors fall
+/// faster, it is smaller.
 const FINER: f64 = 1.0 / 32.0;
 
 /// Samples of the reference: its standard error is an eighth of that of 64 samples, which moves the
@@ -113,7 +113,7 @@ fn integrate(panel: &mut Panel) -> bool {
     scene.continuous
 }
 
-/// The channels of all pixels.
+/// The radiance of all pixels and channels, pixel by pixel.
 pub(super) fn values(film: &Film) -> Vec<f64> {
     let values = film.radiance().as_flattened().iter();
     values.map(|value| f64::from(*value)).collect()

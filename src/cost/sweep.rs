@@ -4,10 +4,9 @@
 use super::norms::{Norms, norms};
 use super::order::{ConvergenceOrder, ExpectedOrder, order};
 use super::reference::{Truth, values};
-use super::thumbnail::thumbnail;
 use super::timing::{Clock, Times};
 use super::work::measured;
-use super::{CostError, MeanWork, Parameter, Reference, effects};
+use super::{CostError, MeanWork, Parameter, Reference, effects, thumbnail};
 use crate::optics::Appearance;
 use crate::render::Plan;
 use crate::scene::{Classified, Conventions, Mode, Model, Panel, Scene};
@@ -160,14 +159,13 @@ impl Planned {
         let last = levels.last();
         let (value, error) = last.map_or((finest, 0.0), |level| (level.value, level.error.l2));
         let reference = truth.reference(value, error);
-        let values: Vec<f64> = levels.iter().map(|level| level.value).collect();
-        let errors: Vec<Norms> = levels.iter().map(|level| level.error).collect();
+        let points = levels.iter().map(|level| (level.value, level.error));
         Ok(Sweep {
             name: self.name,
             parameter,
             own: parameter.of(panel),
             size,
-            order: order(&values, &errors, self.expected, reference.bound),
+            order: order(points.collect(), self.expected, reference.bound),
             reference,
             levels,
             cut,

@@ -42,8 +42,8 @@ pub struct Machine {
 /// Work to be timed.
 pub type Task<'a> = Box<dyn Fn() + Sync + 'a>;
 
-/// Time measurement; counts of work and errors do not need it.
-#[derive(Clone, Copy, Debug)]
+/// Time measurement; counts of work and errors do not need it. By default no timings and no time limit.
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Clock {
     /// Runs of each setting; 0 for no timings.
     pub runs: usize,
@@ -52,12 +52,6 @@ pub struct Clock {
 }
 
 impl Clock {
-    /// No timings and no time limit.
-    pub const NONE: Clock = Clock {
-        runs: 0,
-        deadline: None,
-    };
-
     /// True if the time limit has passed.
     pub fn is_over(&self) -> bool {
         self.deadline
@@ -73,27 +67,24 @@ impl Clock {
         if self.runs == 0 || self.is_over() {
             return vec![None; tasks.len()];
         }
-        match rayon::ThreadPoolBuilder::new().num_threads(1).build() {
-            Ok(pool) => pool.install(|| self.by_turns_here(tasks, share)),
-            Err(_) => vec![None; tasks.len()],
-        }
-    }
-
-    /// [`Clock::by_turns`] on the threads of the caller; with at least one run.
-    fn by_turns_here(&self, tasks: &[Task<'_>], share: f64) -> Vec<Option<Times>> {
         let mut seconds: Vec<Vec<f64>> = vec![Vec::new(); tasks.len()];
-        // What the first run finds cold belongs to none of them.
-        'rounds: for round in 0..=self.runs {
-            for (task, seconds) in tasks.iter().zip(&mut seconds) {
-                if self.is_over() {
-                    break 'rounds;
-                }
-                let start = Instant::now();
-                task();
-                if round > 0 {
-                    seconds.push(start.elapsed().as_secs_f64() / share);
+        let take_turns = || {
+            // The first run finds everything cold: it does not count.
+            for round in 0..=self.runs {
+                for (task, seconds) in tasks.iter().zip(&mut seconds) {
+                    if self.is_over() {
+                        return;
+                    }
+                    let start = Instant::now();
+                    task();
+                    if round > 0 {
+                        seconds.push(start.elapsed().as_secs_f64() / share);
+                    }
                 }
             }
+        };
+        if let Ok(pool) = rayon::ThreadPoolBuilder::new().num_threads(1).build() {
+            pool.install(take_turns);
         }
         seconds.iter().map(|runs| summary(runs)).collect()
     }
@@ -177,6 +168,6 @@ mod tests {
         let times = clock.by_turns(&[Box::new(a), Box::new(b)], 1.0);
         assert_eq!(*order.lock().unwrap(), "abababab");
         assert!(times.iter().all(|times| times.unwrap().runs == 3));
-        assert_eq!(Clock::NONE.by_turns(&[Box::new(a)], 1.0), [None]);
+        assert_eq!(Clock::default().by_turns(&[Box::new(a)], 1.0), [None]);
     }
 }

@@ -19,7 +19,7 @@ impl MeanWork {
         }
     }
 
-    /// Lookups of densities and gradients.
+    /// Number of lookups of densities and gradients for each pixel.
     pub fn lookups(&self) -> f64 {
         self[Event::DensityLookup] + self[Event::GradientLookup]
     }

@@ -66,7 +66,7 @@ impl Evidence {
 
 /// A likely mistake, over all the cases that failed.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
-pub struct Likeness {
+pub struct LikelyMistake {
     /// Its name in the catalogue; two joined by ` + ` for a combination.
     pub mistake: String,
     /// Description and advice for the author of the image.

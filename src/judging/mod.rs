@@ -25,7 +25,7 @@ pub(crate) mod verify;
 
 pub use accept::{AcceptError, Accepted, Change, Request as AcceptRequest, accept};
 pub use decide::{Looks, share_of_look};
-pub use evidence::{Evidence, Likeness};
+pub use evidence::{Evidence, LikelyMistake};
 pub use finding::Judged;
 pub(crate) use judged_with::JudgedWith;
 pub use kept_results::{KeptResult, Part, ResultFolder, Run};

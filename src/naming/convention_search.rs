@@ -8,18 +8,16 @@
 pub(super) mod attempt;
 mod effects;
 pub(super) mod images;
-mod profile_text;
 
-use super::likeness::{self, Predictions, Search, SearchClock, SearchStep};
+use super::diagnosis::{self, Predictions, Search, SearchClock, SearchStep};
 use super::shipped_profile::{self, NamedProfile};
-use crate::conventions::{CATALOGUE, ConventionSet, STEP};
+use crate::conventions::{CATALOGUE, ConventionSet, STEP, under};
 use crate::film::Film;
 use crate::judging::{CaseResult, Cause, Judged, OF_PROFILE, Verdict};
-use crate::scene::{Mode, Panel, Scene};
+use crate::scene::{Compositing, Mode, Panel, Scene};
 use crate::suite::{Case, Store};
 use attempt::Attempt;
 use images::Images;
-use profile_text::profile_text;
 use std::sync::Mutex;
 use std::time::Duration;
 
@@ -122,7 +120,7 @@ impl<'s> ConventionSearch<'s> {
 
     /// Replaces a mismatch that other conventions explain by that verdict: a pass if they are
     /// `accepted`. The search takes at most half as much work as two cores do in `seconds`, and a note says so of one
-    /// that needs more: on any machine the same. A later [search for mistakes](super::likeness) has the rest.
+    /// that needs more: on any machine the same. A later [search for mistakes](super::diagnosis) has the rest.
     ///
     /// For an image of 8 bits, the shipped [profiles](crate::conventions::Profile::shipped) are tried first, as they are: the search
     /// does not vary the roundings that they state.
@@ -162,7 +160,7 @@ impl<'s> ConventionSearch<'s> {
         // A plainer cause has all of the work for the case.
         let search = self.within(Some(seconds), &predictions);
         if let Some(explained) = &found
-            && (explained.is_plain() || !likeness::is_plainly_explained(case, judged, &search))
+            && (explained.is_plain() || !diagnosis::is_plainly_explained(case, judged, &search))
         {
             explained.explain(&mut judged.result, accepted);
         }
@@ -238,4 +236,23 @@ fn may_be_by_convention(scene: &Scene, image: &Film) -> bool {
     let has_colours = image.radiance().windows(2).any(|pair| pair[0] != pair[1]);
     let is_of_size = [image.width(), image.height()] == [scene.width(), scene.height()];
     is_of_size && has_colours && scene.panels.iter().all(is_classified)
+}
+
+/// The profile, as TOML, of the conventions of `set` in `scene`; `None` with another step.
+fn profile_text(scene: &Scene, set: &[usize]) -> Option<String> {
+    if set.iter().any(|&index| CATALOGUE[index].choice == STEP) {
+        return None;
+    }
+    let scene = under(scene, set);
+    let volume = scene.panels.iter().find_map(Panel::classified)?;
+    let mut lines = vec!["name = \"mine\"".to_owned()];
+    if let Compositing::EarlyTermination(threshold) = volume.compositing {
+        lines.push(format!("early_termination = {threshold:?}"));
+    }
+    let conventions = volume.conventions.lines();
+    if !conventions.is_empty() {
+        lines.push("[conventions]".to_owned());
+        lines.extend(conventions);
+    }
+    Some(lines.join("\n") + "\n")
 }

@@ -5,7 +5,7 @@
 
 use super::convention_search::attempt::{LATTICE, MOST_OUTSIDE, Residual};
 use super::convention_search::images::Images;
-use super::likeness::{Stage, lattice_of, pixels_of};
+use super::diagnosis::{Stage, lattice_of, pixels_of};
 use crate::compare::unexplained::makes_what_shows;
 use crate::compare::{Conditions, Gate, Picture, judge};
 use crate::conventions::{Profile, bounds, scenes_by_chance};

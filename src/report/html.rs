@@ -7,7 +7,7 @@ pub(super) mod words;
 
 use super::template::{Template, rendered};
 use crate::judging::{CaseResult, Evidence, Verdict};
-use crate::naming::Likenesses;
+use crate::naming::Diagnosis;
 use minijinja::{Value, context};
 use rayon::prelude::*;
 
@@ -25,7 +25,7 @@ pub struct Page<'a> {
     /// Evidence for each of them, in the same order; it may be shorter.
     pub evidence: &'a [Evidence],
     /// Findings of the search for the mistakes behind the failures.
-    pub found: &'a Likenesses,
+    pub found: &'a Diagnosis,
 }
 
 impl<'a> Page<'a> {
@@ -34,7 +34,7 @@ impl<'a> Page<'a> {
         title: &'a str,
         results: &'a [CaseResult],
         evidence: &'a [Evidence],
-        found: &'a Likenesses,
+        found: &'a Diagnosis,
     ) -> Page<'a> {
         Page {
             title,

@@ -2,7 +2,7 @@
 
 use crate::conventions::Profile;
 use crate::judging::{CaseResult, JudgedWith, KnownStatus, Verdict};
-use crate::naming::{Likenesses, NOTHING_KNOWN};
+use crate::naming::{Diagnosis, NOTHING_KNOWN};
 use std::collections::BTreeMap;
 
 /// Length of the longest of `names`; 0 without any.
@@ -125,7 +125,7 @@ pub(crate) fn judged_with_text(judged_with: &JudgedWith) -> String {
 }
 
 /// Likely mistakes, most likely first, and the extent of the search: at most `seconds` of work for each case.
-pub fn likely_text(found: &Likenesses, seconds: f64) -> String {
+pub fn likely_text(found: &Diagnosis, seconds: f64) -> String {
     let mut text = String::new();
     for known in &found.likely {
         let cases = if known.of == 1 { "case" } else { "cases" };

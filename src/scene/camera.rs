@@ -95,17 +95,12 @@ pub(super) fn framing(
     // in which they are read.
     let up = reader.get("up")?;
     let aspect = size[0] as f64 / size[1] as f64;
-    let eye = match (eye, Around::read(reader)?) {
-        (Some(eye), _) => eye,
-        (None, around) => {
-            let eye = match around {
-                None => eye_that_sees_all(bounds, up, image, aspect),
-                Some(around) => around.eye(bounds, up, image, aspect),
-            };
-            reader.resolved("eye", eye);
-            eye
-        }
-    };
+    let around = Around::read(reader)?;
+    let eye = eye.unwrap_or_else(|| match around {
+        None => eye_that_sees_all(bounds, up, image, aspect),
+        Some(around) => around.eye(bounds, up, image, aspect),
+    });
+    reader.resolved("eye", eye);
     Ok((image.seen(reader, eye, target, up)?, target))
 }
 
@@ -116,10 +111,8 @@ pub(super) fn given(reader: &Reader, size: [usize; 2]) -> SceneResult<Camera> {
     }
     let image = ImageHeight::read(reader)?;
     let point = |name: &'static str| {
-        let message = || format!("missing key `{name}` in [camera]");
-        reader
-            .optional(name)?
-            .ok_or_else(|| reader.error(name, message()))
+        let missing = || reader.error(name, format!("missing key `{name}` in [camera]"));
+        reader.optional(name)?.ok_or_else(missing)
     };
     let (eye, target) = (point("eye")?, point("target")?);
     image.seen(reader, eye, target, reader.get("up")?)
@@ -197,10 +190,9 @@ fn by_matrix(reader: &Reader, size: [usize; 2]) -> SceneResult<Option<Camera>> {
     Ok(Some(camera))
 }
 
-/// Before the middle of the box on its −z side, where its front face fills the image but for a
-/// margin of 5 %; with parallel rays, which see as much from anywhere, as far before it as it is high
-/// or wide. Where `up` is along z, as in most scans, that is above or below: the −y side
-/// then.
+/// The eye before the middle of the box, on its −z side. Where `up` is along z, as in most scans, −z is below: it is on
+/// the −y side then. The front face fills the image but for a margin of 5 %. Parallel rays see as much from anywhere: with
+/// them the eye is as far before the box as the box is high or wide.
 fn eye_that_sees_all(bounds: &Aabb, up: DVec3, image: ImageHeight, aspect: f64) -> DVec3 {
     let half = bounds.size() * 0.5;
     let (forward, half_depth, half_of_up) = if up.x == 0.0 && up.y == 0.0 {

@@ -185,7 +185,8 @@ impl Classified {
         let boxes = volumes.iter().map(|it| it.bounds);
         let bounds = boxes.chain(surfaces).reduce(Aabb::union).expect("a volume");
         let (camera, target) = camera::framing(camera_reader, &bounds, size)?;
-        let light = read_light(reader, &camera, target)?;
+        let light = reader.table_or_default("light")?;
+        let light = light.vector_or("position", || above(&camera, target))?;
 
         let phong = reader.table_as("phong", Phong::read)?;
         for surface in &mut objects.surfaces {
@@ -240,11 +241,8 @@ impl Classified {
     /// voxel; one that is transparent emits nothing.
     pub fn brightest(&self) -> f64 {
         if self.has_objects() {
-            let surfaces = self
-                .objects
-                .surfaces
-                .iter()
-                .map(|surface| brightest_shaded(surface.colour.max_element(), surface.phong));
+            let surfaces = self.objects.surfaces.iter();
+            let surfaces = surfaces.map(|it| brightest_shaded(it.colour.max_element(), it.phong));
             let volumes = self.each_alone().map(|alone| alone.brightest());
             return volumes.chain(surfaces).fold(0.0, f64::max);
         }
@@ -326,9 +324,8 @@ impl Classified {
         self.check_common_steps()
     }
 
-    /// Where the eye is so far away that distances along a ray are rounded by more than a step, a
-    /// ray has no samples that could be told apart, and no number of them that has a bound: the
-    /// length of its way through the volume is all rounding.
+    /// Fails if the eye is so far away that distances along a ray are rounded by more than a step. The length of the way
+    /// through the volume is then all rounding: samples cannot be told apart, and their number has no bound.
     fn check_eye(&self) -> Result<(), String> {
         if self.has_objects() {
             return self.each_alone().try_for_each(|alone| alone.check_eye());
@@ -403,10 +400,9 @@ fn without_samples(reader: &Reader, mode: &Mode, interpolation: Interpolation) -
     Ok(())
 }
 
-/// Above the eye, upwards in the image, as high as `target` is far: half a right angle beside the
-/// line of sight, and √2 times as far from the target as the eye, so outside of every ball about
-/// the target that the eye is outside of. `up` itself, which may lean along the line of sight,
-/// would lead into what is looked at.
+/// The place above the eye, upwards in the image, as high as `target` is far. Seen from the target, it lies half a right
+/// angle beside the eye and is √2 times as far away: it is outside of every ball about the target that the eye is outside
+/// of. `up` itself may lean along the line of sight, and would lead into the volume.
 fn above(camera: &Camera, target: DVec3) -> DVec3 {
     camera.eye + camera.upright * length_of(target - camera.eye)
 }
@@ -438,20 +434,12 @@ fn read_compositing(reader: &Reader, order: &str) -> SceneResult<Compositing> {
     })
 }
 
-/// The position of the light: above the eye, if the scene states none.
-fn read_light(reader: &Reader, camera: &Camera, target: DVec3) -> SceneResult<DVec3> {
-    let light = reader.table_or_default("light")?;
-    light.vector_or("position", || above(camera, target))
-}
-
 impl VolumeTable<'_, '_, '_> {
     /// Edge of a voxel, and diagonal of the box of the world: the lengths that steps are measured by.
     fn lengths(&self) -> [f64; 2] {
         let Volume { grid, to_world, .. } = &self.volume;
-        [
-            voxel(grid.lattice(), to_world.as_ref()),
-            length_of(self.bounds.size()),
-        ]
+        let voxel = voxel(grid.lattice(), to_world.as_ref());
+        [voxel, length_of(self.bounds.size())]
     }
 }
 

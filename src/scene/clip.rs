@@ -72,25 +72,17 @@ impl Kept {
 }
 
 impl Clip {
-    /// Heights of the corners of a box above each of its planes, below which it keeps nothing.
-    fn heights(&self, extent: &PlacedBox) -> Vec<[f64; 8]> {
-        let corners = extent.bounds.corners().map(|it| extent.in_world(it));
-        let above = |n: DVec3, d: f64| corners.map(|corner| n.dot(corner) - d);
-        match self.kept {
-            Kept::Side { point, normal } => vec![above(*normal, normal.dot(point))],
-            Kept::Inside(Aabb { min, max }) => (0..3)
-                .flat_map(|axis| {
-                    let n = DVec3::AXES[axis];
-                    [above(n, min[axis]), above(-n, -max[axis])]
-                })
-                .collect(),
-        }
-    }
-
     /// True if each of its planes keeps something of a box.
     pub(super) fn keeps_some(&self, extent: &PlacedBox) -> bool {
-        let mut planes = self.heights(extent).into_iter();
-        planes.all(|heights| heights.iter().any(|height| *height > 0.0))
+        let corners = extent.bounds.corners().map(|it| extent.in_world(it));
+        let is_some_above = |n: DVec3, d: f64| corners.iter().any(|it| n.dot(*it) - d > 0.0);
+        match self.kept {
+            Kept::Side { point, normal } => is_some_above(*normal, normal.dot(point)),
+            Kept::Inside(Aabb { min, max }) => (0..3).all(|axis| {
+                let n = DVec3::AXES[axis];
+                is_some_above(n, min[axis]) && is_some_above(-n, -max[axis])
+            }),
+        }
     }
 
     /// True if it cuts the volume of that index.

@@ -33,9 +33,9 @@ const SHADED: u8 = COMPOSITED | SURFACES;
 /// Composited samples that follow a convention about several objects, which means nothing for one volume.
 const OBJECTS: u8 = COMPOSITED | 16;
 
-/// Declares [`Conventions`], [`CONVENTIONS`] and [`ALTERNATIVES`]. A row has the key in files, the
-/// field with its type, the kind of its values with the default, the modes that follow it, the description in the
-/// schema, and what other renderers do, as far as a search for conventions tries it.
+/// Declares [`Conventions`], [`CONVENTIONS`] and [`ALTERNATIVES`]. A row has the key in files, the field with its type,
+/// the kind of its values with the default, the modes that follow it, and the description in the schema. Alternatives
+/// follow: what other renderers do, as far as a search for conventions tries it.
 macro_rules! conventions {
     ($(
         $key:literal = $field:ident: $type:ty = $kind:ident($($values:tt)+) of $modes:ident,
@@ -451,20 +451,15 @@ impl Conventions {
         self.step_length == StepLength::World && self.fitted_steps == FittedSteps::None
     }
 
-    /// Opacities and colours are stored: in a table or at nodes.
-    fn has_entries(&self) -> bool {
-        self.table_size.is_some() || self.preclassified
-    }
-
     /// The same with a table of 256 entries, if there is none.
     fn with_table(mut self) -> Conventions {
         self.table_size = self.table_size.or(Some(256));
         self
     }
 
-    /// The same with a table, if nothing is stored.
+    /// The same with a table, if opacities and colours are not stored at nodes.
     fn with_entries(self) -> Conventions {
-        if self.has_entries() {
+        if self.preclassified {
             self
         } else {
             self.with_table()

@@ -27,7 +27,10 @@ pub enum Curve {
 }
 
 impl Curve {
-    pub(super) fn read(reader: &Reader, opacity: OpacityByValue) -> SceneResult<Curve> {
+    /// Reads `[curve]` of the file whose root table is `root`.
+    pub(super) fn read(root: &Reader, reader: &Reader) -> SceneResult<Curve> {
+        let opacity = OpacityByValue::read(&root.table_or_default("transfer_function")?)?;
+        refuse! { root: "camera", "a plot of the curve has no camera"; }
         match opacity {
             OpacityByValue::Formula(opacity) => {
                 let densities = reader.get("densities")?;

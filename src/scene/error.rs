@@ -81,17 +81,23 @@ const MOST_OF_A_LINE: usize = 1000;
 /// Bytes that are underlined, at most.
 const MOST_UNDERLINED: usize = 240;
 
-impl SceneError {
-    /// A mistake at `span`, a range of bytes of `text`, the contents of the file `path`.
-    /// Without a span the file as a whole is meant.
-    pub(super) fn new(
-        path: &str,
-        text: &str,
+/// A TOML file: its name, for messages, and its text.
+pub struct Document<'s> {
+    /// The name shown in messages.
+    pub path: &'s str,
+    /// The whole text.
+    pub text: &'s str,
+}
+
+impl Document<'_> {
+    /// An error at `span`, a range of bytes of this file. Without a span the file as a whole is meant.
+    pub fn error(
+        &self,
         span: Option<Range<usize>>,
         message: impl Into<String>,
         help: Option<String>,
     ) -> Box<SceneError> {
-        let text = visible_in_place(text);
+        let text = visible_in_place(self.text);
         // The largest boundary of a character that is not behind an offset.
         let boundary = |offset: usize| {
             let mut offsets = (0..=offset.min(text.len())).rev();
@@ -110,22 +116,24 @@ impl SceneError {
         Box::new(SceneError {
             message: shortened(message.into()),
             help: help.map(shortened),
-            path: path.to_owned(),
+            path: self.path.to_owned(),
             position,
             span: span.filter(|_| is_shown).map(SourceSpan::from),
             source_code: is_shown.then(|| Excerpt {
-                name: visible(path),
+                name: visible(self.path),
                 text,
             }),
         })
     }
+}
 
+impl SceneError {
     /// The message, without the position.
     pub fn message(&self) -> &str {
         &self.message
     }
 
-    /// The remedy.
+    /// The remedy: how to mend the mistake, if the error says so.
     pub fn help_text(&self) -> Option<&str> {
         self.help.as_deref()
     }

@@ -80,7 +80,7 @@ impl<'p> Files<'p> {
             .map_err(|error| reader.mistake(key, error.to_string(), help))
     }
 
-    /// The values that a table of [placed volumes](super::volume::PLACED_KEYS) asks for: finite.
+    /// The values that a table of [placed volumes](super::volume::PLACED) asks for: finite.
     pub(super) fn placed_values(&mut self, reader: &Reader) -> SceneResult<PlacedGrid> {
         if reader.has("field") {
             let (formula, lattice) = read_formula(reader)?;
@@ -105,10 +105,8 @@ impl<'p> Files<'p> {
         {
             return Ok(grid.clone());
         }
-        let others = self
-            .formulas
-            .iter()
-            .map(|(_, grid)| grid.lattice().node_count());
+        let others = self.formulas.iter();
+        let others = others.map(|(_, grid)| grid.lattice().node_count());
         let count = others.sum::<usize>() + lattice.node_count();
         refuse! { reader:
             "nodes" if count > NodeFormula::MOST_NODES, format!(

@@ -40,7 +40,7 @@ impl Table {
         Table { common, ..self }
     }
 
-    /// Everything it may hold.
+    /// All keys that it may hold, the common ones first.
     pub(super) fn all(&self) -> impl Iterator<Item = &'static Key> + use<> {
         self.common.iter().copied().flatten().chain(self.keys)
     }
@@ -317,10 +317,8 @@ fn table_schema(root: &'static Table, table: &'static Table, complete: bool) -> 
     }
     let overrides = |key: &&Key| matches!(key.kind, Kind::Overrides(_));
     let schemas = |complete| {
-        table
-            .rules
-            .iter()
-            .flat_map(move |it| rule_schemas(it, complete))
+        let rules = table.rules.iter();
+        rules.flat_map(move |it| rule_schemas(it, complete))
     };
     let rules: Vec<Value> = match table.all().find(overrides) {
         // What the file itself lacks, the tables that override it may bring.

@@ -15,7 +15,7 @@ use super::sampling::SamplingTable;
 use super::transfer_function::{
     OpacityByValue, TRANSFER_FUNCTION, read_range, read_transfer_function,
 };
-use super::{Classified, Curve, Radiative, SceneError, SceneResult, TransportFault};
+use super::{Classified, Curve, Radiative, SceneResult, TransportFault};
 use crate::files::regular_file;
 use crate::geometry::Camera;
 use crate::math::powu;
@@ -118,7 +118,7 @@ impl Model {
         }
     }
 
-    /// The grids of its volumes.
+    /// The grids of its volumes, or of the densities of its media; one that several share occurs several times.
     pub(crate) fn grids(&self) -> Vec<&Arc<Grid<f32>>> {
         match self {
             Model::Classified(scene) => {
@@ -212,7 +212,11 @@ impl Scene {
     fn text(path: &Path) -> SceneResult<String> {
         let name = path.display().to_string();
         let help = "give the path of a scene file; `volref render` shows a volume as it is";
-        let mistake = |message| SceneError::new(&name, "", None, message, Some(help.to_owned()));
+        let nowhere = Document {
+            path: &name,
+            text: "",
+        };
+        let mistake = |message: String| nowhere.error(None, message, Some(help.to_owned()));
         // A description of bare samples ends in .toml, as scenes do.
         let is_toml = path
             .extension()
@@ -298,7 +302,7 @@ impl Scene {
         self.panels.iter().map(|panel| panel.width).sum()
     }
 
-    /// Rows of pixels.
+    /// Rows of pixels, the same in all panels.
     pub fn height(&self) -> usize {
         self.panels[0].height
     }
@@ -367,9 +371,9 @@ impl Panel {
         let root = Reader::new(document, &SCENE, table, &log)?;
         let title = root.get("title")?;
         let film = Film::read(&root.table_or_default("film")?)?;
-        let [width, height] = [film.width, film.height].map(|pixels| pixels as usize);
+        let size = [film.width, film.height].map(|pixels| pixels as usize);
         let model = if let Some(reader) = root.table("classified")? {
-            let classified = read_classified(&root, &reader, files, [width, height])?;
+            let classified = read_classified(&root, &reader, files, size)?;
             if classified.has_objects() {
                 // Keys that several volumes share were read for each.
                 let mut known = BTreeSet::new();
@@ -378,20 +382,17 @@ impl Panel {
             }
             classified.into()
         } else if let Some(reader) = root.table("radiative")? {
-            read_radiative(&root, &reader, files, [width, height])?.into()
+            Radiative::read(&root, &reader, files, size)?.into()
         } else {
             let reader = root.table("curve")?.expect("one of the models");
-            Model::Curve(read_curve(&root, &reader)?)
+            Model::Curve(Curve::read(&root, &reader)?)
         };
         Ok(Panel {
             title,
-            width,
-            height,
-            model,
-            fault: None,
             inputs: files.take_used(),
             readings: log.into_inner(),
             key_lines: KeyLines::of(lines, table.get_ref()),
+            ..Panel::of(model, size)
         })
     }
 }
@@ -460,25 +461,4 @@ fn read_classified(
     }
     let camera = root.table_or_default("camera")?;
     Classified::read(reader, &camera, volumes, files, size)
-}
-
-fn read_radiative(
-    root: &Reader,
-    reader: &Reader,
-    files: &mut Files,
-    size: [usize; 2],
-) -> SceneResult<Radiative> {
-    refuse! { root: "transfer_function", "a radiative scene has no densities for a transfer function"; }
-    let camera = root.table_or_default("camera")?;
-    let sampling = SamplingTable::read(&root.table_or_default("sampling")?)?;
-    Radiative::read(reader, &camera, sampling, files, size)
-}
-
-fn read_curve(root: &Reader, reader: &Reader) -> SceneResult<Curve> {
-    let transfer_function = root.table_or_default("transfer_function")?;
-    let opacity = OpacityByValue::read(&transfer_function)?;
-    refuse! { root:
-        "camera", "a plot of the curve has no camera";
-    }
-    Curve::read(reader, opacity)
 }

@@ -81,7 +81,7 @@ impl Modulation {
         Ok(Some(Modulation { grid, factors }))
     }
 
-    /// The factor in `cell`.
+    /// The factor of the opacity at a place in `cell`, in [0, 1].
     pub fn factor(&self, interpolation: Interpolation, cell: &Cell) -> f64 {
         self.factors.opacity(interpolation.read(&*self.grid, cell))
     }

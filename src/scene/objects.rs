@@ -104,8 +104,13 @@ impl Objects {
 
     /// True if there is nothing but the first volume, and no modulation of its opacity.
     pub fn is_empty(&self) -> bool {
-        let is_one_volume = self.volumes.is_empty() && self.modulation.is_none();
-        is_one_volume && self.surfaces.is_empty() && self.clips.is_empty()
+        self.are_one_volume() && self.clips.is_empty()
+    }
+
+    /// The same, but that the volume may be clipped.
+    pub(super) fn are_one_volume(&self) -> bool {
+        let is_alone = self.volumes.is_empty() && self.surfaces.is_empty();
+        is_alone && self.modulation.is_none()
     }
 
     /// Reads surfaces and clips, given the names of all volumes.

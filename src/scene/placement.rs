@@ -25,9 +25,8 @@ pub(super) const STEPS: [Key; 3] = {
 
 /// Largest condition number of a map.
 ///
-/// To the volume and back, rounding moves a point by up to 8 · 2⁻⁵³ of the condition, as a share of its
-/// distance from the origin of the map: at this number by 1e-7, which is a thousandth of a pixel of the
-/// largest image.
+/// Rounding moves a point that is mapped to the volume and back by up to 8 · 2⁻⁵³ times the condition, as a share of its
+/// distance from the origin of the map. At this condition that is 1e-7: a thousandth of a pixel of the largest image.
 const MOST_CONDITION: f64 = 1e8;
 
 /// A grid in the world.
@@ -78,7 +77,7 @@ impl PlacedGrid {
         voxel(self.grid.lattice(), self.to_world.as_ref())
     }
 
-    /// The box, wherever it is.
+    /// The box around the grid, as the map places it in the world.
     pub(super) fn extent(&self) -> PlacedBox {
         PlacedBox {
             bounds: self.grid.lattice().bounds(),

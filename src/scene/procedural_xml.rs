@@ -73,11 +73,8 @@ pub fn read_procedural(path: &str, text: &str) -> SceneResult<ProceduralMedium> 
         (Some(medium), None) => medium,
         (_, other) => {
             let other = other.unwrap_or(xml.root_element());
-            return Err(wrong(
-                &document,
-                other,
-                "there is not exactly one procedural medium",
-            ));
+            let message = "there is not exactly one procedural medium";
+            return Err(wrong(&document, other, message));
         }
     };
     let mut parameters: Vec<Parameter> = Vec::new();
@@ -85,11 +82,8 @@ pub fn read_procedural(path: &str, text: &str) -> SceneResult<ProceduralMedium> 
         let parameter = parameter(&document, child)?;
         let name = parameter.0.value();
         if parameters.iter().any(|(other, ..)| other.value() == name) {
-            return Err(wrong(
-                &document,
-                child,
-                "this parameter is given a second time",
-            ));
+            let message = "this parameter is given a second time";
+            return Err(wrong(&document, child, message));
         }
         parameters.push(parameter);
     }
@@ -183,13 +177,8 @@ fn contents<'a, 'i>(element: Node<'a, 'i>) -> impl Iterator<Item = Node<'a, 'i>>
 fn parameter<'a, 'i>(document: &Document, element: Node<'a, 'i>) -> SceneResult<Parameter<'a, 'i>> {
     let [name, value] = ["name", "value"].map(|name| {
         let attribute = element.attribute_node(name);
-        attribute.ok_or_else(|| {
-            wrong(
-                document,
-                element,
-                "this is no parameter, with a `name` and a `value`",
-            )
-        })
+        let message = "this is no parameter, with a `name` and a `value`";
+        attribute.ok_or_else(|| wrong(document, element, message))
     });
     let (name, value) = (name?, value?);
     let numbers = match &numbers(value.value())[..] {
@@ -214,11 +203,8 @@ fn numbers(text: &str) -> Vec<String> {
 fn wrong(document: &Document, element: Node, message: &str) -> Box<SceneError> {
     let help = "give one <medium type=\"procedural\"> of parameters, such as <float name=\"g\" value=\"0.5\"/> for the mean \
                 cosine of Henyey and Greenstein's phase function";
-    document.error(
-        Some(place(document.text, element)),
-        message,
-        Some(help.into()),
-    )
+    let place = place(document.text, element);
+    document.error(Some(place), message, Some(help.into()))
 }
 
 /// Place of the first line of an element, or of a text.

@@ -15,6 +15,7 @@ use super::files::Files;
 use super::format::{Key, Kind, Range, Table};
 use super::objects::check_count;
 use super::reader::Reader;
+use super::record::Record;
 use super::sampling::SamplingTable;
 use crate::geometry::{Boundary, Camera, Luminous, Shape};
 use crate::optics::{Coefficients, Density, Homogeneous, Light, Material, Sides};
@@ -91,7 +92,7 @@ pub struct Radiative {
     pub objects: Vec<Object>,
     /// Surfaces that emit.
     pub area_lights: Vec<AreaLight>,
-    /// Media; at most [`Radiative::MOST_MEDIA`].
+    /// Media; at most 64: a set of them is a word of 64 bits.
     pub media: Vec<Body>,
     /// Point, spot and directional lights.
     pub lights: Vec<Light>,
@@ -117,56 +118,55 @@ impl Scattering {
 }
 
 impl Body {
-    /// Makes the medium denser by `factor`: its coefficients and its emission. `None`, and nothing
-    /// changed, if a coefficient leaves the range of numbers.
-    pub fn make_denser(&mut self, factor: f64) -> Option<()> {
-        let old = self.medium.coefficients;
-        self.medium.coefficients =
-            Coefficients::new(old.sigma_a() * factor, old.sigma_s() * factor).ok()?;
-        self.medium.emission *= factor;
-        Some(())
+    /// Absorption at density 1, per world length.
+    pub(crate) fn sigma_a(&self) -> DVec3 {
+        self.medium.coefficients.sigma_a()
+    }
+
+    /// Scattering at density 1, per world length.
+    pub(crate) fn sigma_s(&self) -> DVec3 {
+        self.medium.coefficients.sigma_s()
+    }
+
+    /// The medium with its coefficients and its emission at this `density`; `None` if a coefficient leaves the range of
+    /// numbers.
+    pub(crate) fn at_density(&self, density: f64) -> Option<Homogeneous> {
+        let coefficients = Coefficients::new(self.sigma_a() * density, self.sigma_s() * density);
+        Some(Homogeneous {
+            coefficients: coefficients.ok()?,
+            emission: self.medium.emission * density,
+            phase: self.medium.phase,
+        })
     }
 
     /// The medium, if it is provably homogeneous: it has no density, or one that is constant and
     /// leaves its coefficients in the range of numbers.
     pub fn homogeneous(&self) -> Option<Homogeneous> {
-        let Some(density) = &self.density else {
-            return Some(self.medium);
-        };
-        let density = density.constant()?;
-        let Homogeneous {
-            coefficients,
-            emission,
-            phase,
-        } = self.medium;
-        let (sigma_a, sigma_s) = (coefficients.sigma_a(), coefficients.sigma_s());
-        Some(Homogeneous {
-            coefficients: Coefficients::new(sigma_a * density, sigma_s * density).ok()?,
-            emission: emission * density,
-            phase,
-        })
+        match &self.density {
+            None => Some(self.medium),
+            Some(density) => self.at_density(density.constant()?),
+        }
     }
 }
 
 impl Radiative {
-    /// Media in a scene, at most: a set of them is a word of 64 bits.
-    pub const MOST_MEDIA: usize = 64;
-
     /// The keys of a medium that give it a density.
     pub(crate) const DENSITY_KEYS: [&str; 6] = densities::KEYS;
 
     /// The keys of a medium that give it a phase function, the procedural block last.
     pub(crate) const PHASE_KEYS: [&str; 4] = phases::KEYS_AND_BLOCK;
 
-    /// Reads `[radiative]` and `[camera]`.
+    /// Reads `[radiative]`, `[camera]` and `[sampling]` of the file whose root table is `root`.
     pub(super) fn read(
+        root: &Reader,
         reader: &Reader,
-        camera_reader: &Reader,
-        sampling: SamplingTable,
         files: &mut Files,
         size: [usize; 2],
     ) -> SceneResult<Radiative> {
-        let camera = camera::given(camera_reader, size)?;
+        refuse! { root: "transfer_function", "a radiative scene has no densities for a transfer function"; }
+        let camera = root.table_or_default("camera")?;
+        let sampling = SamplingTable::read(&root.table_or_default("sampling")?)?;
+        let camera = camera::given(&camera, size)?;
         let scattering = read_scattering(reader)?;
         let environment = reader.get("environment")?;
         let mut scene = Radiative {
@@ -194,8 +194,8 @@ impl Radiative {
         let contradictions = Contradictions {
             scene: &scene,
             reader,
-            media: &media,
-            lights: &lights,
+            media: media.iter().zip(&scene.media).collect(),
+            lights: lights.iter().zip(&scene.lights).collect(),
         };
         contradictions.check()?;
         Ok(scene)
@@ -203,10 +203,8 @@ impl Radiative {
 }
 
 fn read_scattering(reader: &Reader) -> SceneResult<Scattering> {
-    let (scattering, limit) = (
-        reader.get::<String>("scattering")?,
-        reader.get("max_bounces")?,
-    );
+    let scattering: String = reader.get("scattering")?;
+    let limit = reader.get("max_bounces")?;
     refuse! { reader:
         "max_bounces" if scattering != "multiple", format!("`max_bounces` has no effect with {scattering} scattering"),
             "remove it, or set `scattering = \"multiple\"`";

@@ -3,6 +3,7 @@
 mod rules;
 mod values;
 
+pub use super::error::Document;
 pub use values::{Field, Value};
 
 use super::format::{Key, Kind, Table};
@@ -37,14 +38,6 @@ pub enum Origin {
     Derived(&'static str),
 }
 
-/// A TOML file: its name, for messages, and its text.
-pub struct Document<'s> {
-    /// The name shown in messages.
-    pub path: &'s str,
-    /// The whole text.
-    pub text: &'s str,
-}
-
 impl<'s> Document<'s> {
     /// The root table of the file.
     pub fn parse(&self) -> SceneResult<Spanned<DeTable<'s>>> {
@@ -53,16 +46,6 @@ impl<'s> Document<'s> {
                 .unwrap_or("the file is not valid TOML; see https://toml.io for its rules");
             self.error(error.span(), error.message(), Some(help.into()))
         })
-    }
-
-    /// An error at `span` of this file.
-    pub fn error(
-        &self,
-        span: Option<Range<usize>>,
-        message: impl Into<String>,
-        help: Option<String>,
-    ) -> Box<SceneError> {
-        SceneError::new(self.path, self.text, span, message, help)
     }
 }
 

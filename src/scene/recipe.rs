@@ -51,12 +51,9 @@ impl Recipe {
         let mut volume = loaded(NonFinite::Kept)?;
         let is_finite = |value: &f32| value.is_finite();
         let lowest = volume.grid.values().iter().copied().filter(is_finite);
-        let lowest = lowest.min_by(f32::total_cmp).ok_or_else(|| {
-            format!(
-                "{}: no value is finite: there is nothing to show",
-                path.display()
-            )
-        })?;
+        let name = path.display();
+        let nothing = || format!("{name}: no value is finite: there is nothing to show");
+        let lowest = lowest.min_by(f32::total_cmp).ok_or_else(nothing)?;
         let is_whole = volume.grid.values().iter().all(is_finite);
         if !is_whole {
             volume = loaded(NonFinite::Replaced(lowest))?;

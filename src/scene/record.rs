@@ -13,9 +13,9 @@ pub(super) trait Record: Sized {
     fn read(reader: &Reader) -> SceneResult<Self>;
 }
 
-/// Declares a [`Record`], for a type of its own (`struct`) or one that is there (`impl`). A row has the field, which
-/// is also the key; its type; what its absence means, by the constructor of [`Key`](super::format::Key); the kind of
-/// its value; and its description in the schema, which documents the field, too.
+/// Declares a [`Record`], for a type of its own (`struct`) or one that is there (`impl`). A row has the field, whose name
+/// is also the key, and its type. Then come the meaning of its absence, as a constructor of
+/// [`Key`](super::format::Key), the kind of its value, and its description in the schema, which also documents the field.
 macro_rules! record {
     ($(#[$meta:meta])* $vis:vis struct $name:ident in $about:literal {$(
         $field:ident: $type:ty = $absent:ident $(($or:literal))? $kind:ident $(($($limit:expr),+))?, $doc:literal;
@@ -42,8 +42,8 @@ macro_rules! record {
     };
 }
 
-/// Refuses the first key of a table that is given and wrong: each row has the key, the condition if it is not always wrong,
-/// the message, and the remedy; without one that is the description of the key.
+/// Refuses the first key of a table that is given and wrong. A row has the key, a condition unless the key is always wrong,
+/// the message, and the remedy. Without a remedy the description of the key is shown.
 macro_rules! refuse {
     ($reader:ident: $($key:literal $(if $is_wrong:expr)?, $message:expr $(, $help:expr)?;)+) => {
         $(if $reader.has($key) $(&& $is_wrong)? {

@@ -39,7 +39,7 @@ impl Sampling {
         self.samples.unwrap_or(scene.samples)
     }
 
-    /// Seed of a panel.
+    /// Seed of the random numbers of a panel with this `scene`.
     pub(crate) fn seed_of(self, scene: &Radiative) -> u64 {
         match self.seed {
             Seed::OfScene => scene.seed,

@@ -21,9 +21,7 @@ impl Classified {
     pub(crate) fn has_conventions_that_are_rendered(&self) -> bool {
         let fault = self.conventions.fault;
         let is_of_merged = fault.is_some_and(Fault::is_of_merged_objects);
-        !self.has_objects()
-            || self.is_merged()
-            || self.is_sampled_by(&self.conventions) && !is_of_merged
+        !self.has_objects() || self.is_merged() || self.is_sampled_by_conventions() && !is_of_merged
     }
 
     /// True if it follows no conventions, and makes no mistakes but those about several objects, and no ray ends early:
@@ -38,10 +36,10 @@ impl Classified {
         self.conventions == own && !ends_early
     }
 
-    /// True if the samples of its volumes follow `conventions`: those of one, or of all by common steps, with
+    /// True if the samples of its volumes follow conventions: those of one, or of all by common steps, with
     /// opacities as they are, and nothing in shadow.
-    pub(crate) fn is_sampled_by(&self, conventions: &Conventions) -> bool {
-        (self.volume_count() == 1 || conventions.common_steps)
+    fn is_sampled_by_conventions(&self) -> bool {
+        (self.volume_count() == 1 || self.conventions.common_steps)
             && (0..self.volume_count()).all(|index| self.modulation_of(index).is_none())
             && self.shadow.is_none()
     }
@@ -65,7 +63,7 @@ impl Classified {
         checked_step(Length::World(step), [1.0, length_of(bounds.size())]).map(|_| ())
     }
 
-    /// Number of volumes.
+    /// Number of volumes, at least 1.
     pub(crate) fn volume_count(&self) -> usize {
         1 + self.objects.volumes.len()
     }
@@ -96,7 +94,7 @@ impl Classified {
         alone
     }
 
-    /// The scenes of its volumes.
+    /// For each volume the scene with that volume alone, in order.
     pub(crate) fn each_alone(&self) -> impl Iterator<Item = Classified> + '_ {
         (0..self.volume_count()).map(|index| self.alone(index))
     }
@@ -153,7 +151,7 @@ impl Classified {
         }
     }
 
-    /// Clips of a volume.
+    /// The clips that cut the volume of this index.
     pub(crate) fn clips_of(&self, volume: usize) -> impl Iterator<Item = &Clip> {
         let clips = self.objects.clips.iter();
         clips.filter(move |clip| clip.cuts(volume))
@@ -170,13 +168,7 @@ impl Classified {
 
     /// Refuses what has no meaning, or no renderer, beside several volumes, surfaces or clips.
     pub(super) fn check_objects(&self, reader: &Reader) -> SceneResult<()> {
-        let Objects {
-            volumes,
-            surfaces,
-            modulation,
-            ..
-        } = &self.objects;
-        let is_one_volume = volumes.is_empty() && surfaces.is_empty() && modulation.is_none();
+        let is_one_volume = self.objects.are_one_volume();
         let with = "several volumes, surfaces, clips or modulation";
         refuse! { reader:
             "mode" if self.mode != Mode::Composited && !is_one_volume, format!("with {with} samples are composited"),

@@ -44,7 +44,7 @@ impl TransportFault {
         let has_medium = |is: fn(&Body) -> bool| scene.media.iter().any(is);
         let has_lamps = !scene.area_lights.is_empty();
         let is_lit = has_lamps || !scene.lights.is_empty();
-        let scatters = has_medium(|it| sigma_s(it) != DVec3::ZERO);
+        let scatters = has_medium(|it| it.sigma_s() != DVec3::ZERO);
         let is_traced = matches!(scene.scattering, Scattering::Multiple(_))
             && (scatters || !scene.objects.is_empty());
         is_traced
@@ -53,7 +53,7 @@ impl TransportFault {
                     is_lit && has_medium(|it| it.boundary.is_some())
                 }
                 TransportFault::ShadowRaysUnattenuated => {
-                    is_lit && has_medium(|it| sigma_a(it) + sigma_s(it) != DVec3::ZERO)
+                    is_lit && has_medium(|it| it.sigma_a() + it.sigma_s() != DVec3::ZERO)
                 }
                 TransportFault::LightsCountedTwice
                 | TransportFault::HitsUnweighted
@@ -64,22 +64,14 @@ impl TransportFault {
                 }
                 TransportFault::AlbedoLeftOutOfDirectLight
                 | TransportFault::AlbedoSquaredInDirectLight => {
-                    is_lit && has_medium(|it| sigma_a(it) * sigma_s(it) != DVec3::ZERO)
+                    is_lit && has_medium(|it| it.sigma_a() * it.sigma_s() != DVec3::ZERO)
                 }
                 TransportFault::ReflectanceLeftOutOfDirectLight
                 | TransportFault::ReflectanceSquaredInDirectLight => is_lit && has_diffuse,
                 TransportFault::NullCollisionsUnweighted => {
-                    has_medium(|it| sigma_a(it) != DVec3::ZERO)
+                    has_medium(|it| it.sigma_a() != DVec3::ZERO)
                 }
                 TransportFault::RouletteUncompensated => true,
             }
     }
-}
-
-fn sigma_a(body: &Body) -> DVec3 {
-    body.medium.coefficients.sigma_a()
-}
-
-fn sigma_s(body: &Body) -> DVec3 {
-    body.medium.coefficients.sigma_s()
 }

@@ -1,4 +1,4 @@
-//! The derivative of an image by a number.
+//! The derivative of an image by a parameter.
 
 use super::number::Number;
 use crate::film::Film;
@@ -17,12 +17,12 @@ pub struct Differences {
     pub pairs: u32,
     /// Seed of the first pair; the others have the next ones.
     pub seed: u64,
-    /// Change on either side, in the [unit](super::Number::unit) of the number; that of the number
+    /// Change on either side, in the [unit](super::Number::unit) of the parameter; that of the parameter
     /// if `None`.
     pub step: Option<f64>,
 }
 
-/// The derivative of an image by a number, per [unit](super::Number::unit) of its changes.
+/// The derivative of an image by a parameter, per [unit](super::Number::unit) of its changes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Derivative {
     /// Means with the variance of those means: that of the spread of pairs, or the square of the
@@ -30,7 +30,7 @@ pub struct Derivative {
     pub film: Film,
     /// The step that was taken.
     pub step: f64,
-    /// Renderings on both sides: else the number can only grow, or only shrink.
+    /// Renderings on both sides: else the parameter can only grow, or only shrink.
     pub is_central: bool,
     /// Number of pixels without a derivative in an image without noise: an edge crosses them, so
     /// that their difference does not converge with the step.
@@ -43,7 +43,7 @@ pub struct Derivative {
 ///
 /// # Errors
 ///
-/// Errors of the rendering. `None` where the number cannot be changed on either side.
+/// Errors of the rendering. `None` where the parameter cannot be changed on either side.
 pub fn derivative(
     scene: &Scene,
     number: &Number,

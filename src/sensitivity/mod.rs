@@ -1,6 +1,6 @@
 //! Sensitivities: the derivative of every pixel by a parameter of the scene.
 //!
-//! `number` is a number and how it is changed, `numbers` lists those of a scene, `derivative`
+//! `number` is a parameter and how it is changed, `numbers` lists those of a scene, `derivative`
 //! differentiates.
 //!
 //! A derivative is a difference of two renderings, `(I(θ + h) − I(θ − h))/2h`, with a stated error.

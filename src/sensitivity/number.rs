@@ -1,4 +1,4 @@
-//! A number of a scene, and the scene with that number changed.
+//! A parameter of a scene, and the scene with that parameter changed.
 
 use crate::scene::{Classified, Model, Panel, Radiative, Scene};
 use std::fmt;
@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 type Edit = Arc<dyn Fn(&mut Panel, f64) -> Option<()> + Send + Sync>;
 
-/// A number of a scene.
+/// A parameter of a scene.
 #[derive(Clone)]
 pub struct Number {
     /// Name of its kind: every density is one.
@@ -15,7 +15,7 @@ pub struct Number {
     words: String,
     /// Item that has it, where there are several of these.
     of: String,
-    /// Unit of its changes, empty for a number without one; `None` for shares: a change of 0.1 makes it a tenth
+    /// Unit of its changes, empty for a parameter without one; `None` for shares: a change of 0.1 makes it a tenth
     /// larger.
     pub unit: Option<&'static str>,
     /// An image is in proportion to it, and something else, so that any step gives the derivative.
@@ -29,8 +29,8 @@ pub struct Number {
 }
 
 impl Number {
-    /// The number that `edit` changes in each panel, with its kind, its words and the item that has it. The edit returns
-    /// nothing where the changed number has no meaning.
+    /// The parameter that `edit` changes in each panel, with its kind, its words and the item that has it. The edit returns
+    /// nothing where the changed parameter has no meaning.
     pub(super) fn new(
         names: [impl Into<String>; 3],
         step: f64,
@@ -49,7 +49,7 @@ impl Number {
         }
     }
 
-    /// A number of panels with surfaces, media and lights.
+    /// A parameter of panels with surfaces, media and lights.
     pub(super) fn radiative(
         names: [impl Into<String>; 3],
         step: f64,
@@ -61,7 +61,7 @@ impl Number {
         })
     }
 
-    /// A number of panels with a classified volume.
+    /// A parameter of panels with a classified volume.
     pub(super) fn volume(
         names: [impl Into<String>; 3],
         step: f64,
@@ -91,7 +91,7 @@ impl Number {
         }
     }
 
-    /// This number of a volume alone as that of the volume of this index, from 0, among others.
+    /// This parameter of a volume alone as that of the volume of this index, from 0, among others.
     pub(super) fn of_volume(self, index: usize) -> Number {
         let edit = self.edit;
         Number {
@@ -140,8 +140,8 @@ impl Number {
         }
     }
 
-    /// `scene` with this number changed by `change`, in its unit; `None` where the
-    /// changed number has no meaning, as of an index of 0, or rays would have too many samples.
+    /// `scene` with this parameter changed by `change`, in its unit; `None` where the
+    /// changed parameter has no meaning, as of an index of 0, or rays would have too many samples.
     pub fn changed(&self, scene: &Scene, change: f64) -> Option<Scene> {
         // Nothing is left of a number that is smaller by all of itself; of light that is a scene too.
         let is_none_left = change < -1.0 || change == -1.0 && !self.is_linear;

@@ -1,4 +1,4 @@
-//! The numbers of a scene that a mistake can touch.
+//! The parameters of a scene that a mistake can touch.
 
 mod classified;
 mod lights;
@@ -11,7 +11,7 @@ use super::number::Number;
 use crate::files::misspelling::nearest;
 use crate::scene::{Model, Scene};
 
-/// All numbers of `scene` that have a name: none of a plot.
+/// All parameters of `scene` that have a name: none of a plot.
 pub fn numbers(scene: &Scene) -> Vec<Number> {
     let Some(panel) = scene.panels.first() else {
         return Vec::new();
@@ -46,11 +46,11 @@ pub fn numbers_of_place(scene: &Scene) -> Vec<Number> {
     }
 }
 
-/// The number of that name.
+/// The parameter of that name.
 ///
 /// # Errors
 ///
-/// If the scene has no such number: a message with the nearest name, or all names.
+/// If the scene has no such parameter: a message with the nearest name, or all names.
 pub fn number(scene: &Scene, name: &str) -> Result<Number, String> {
     let numbers = numbers(scene);
     if let Some(number) = numbers.iter().find(|number| number.name() == name) {
@@ -68,7 +68,7 @@ pub fn number(scene: &Scene, name: &str) -> Result<Number, String> {
     ))
 }
 
-/// The numbers of each of `count` items, with its index where there are several.
+/// The parameters of each of `count` items, with its index where there are several.
 fn of_each(count: usize, of_one: impl Fn(usize) -> Vec<Number>) -> impl Iterator<Item = Number> {
     (0..count).flat_map(move |at| {
         let index = (count > 1).then_some(at + 1);
@@ -77,7 +77,7 @@ fn of_each(count: usize, of_one: impl Fn(usize) -> Vec<Number>) -> impl Iterator
     })
 }
 
-/// Names of axes in names of numbers.
+/// Names of axes in names of parameters.
 const AXES: [&str; 3] = ["x", "y", "z"];
 
 /// The names `KIND.x`, "x WORDS" of a place along an axis.

@@ -11,7 +11,7 @@ use volref::cost::{Cost, Options, Parameter, Sweep, cost};
 /// What accuracy costs in the scene of `text`, without times.
 fn measured(text: &str) -> Cost {
     let options = Options {
-        clock: Clock::NONE,
+        clock: Clock::default(),
         seed: 0,
     };
     let costs = cost(&parsed(text), "scene", &options, &|_| ());

@@ -10,7 +10,7 @@ use volref::scene::Scene;
 fn error_against_work_in_figure_3() {
     let scene = Scene::load(Path::new("fixtures/scenes/figures/figure-3.toml")).unwrap();
     let options = Options {
-        clock: Clock::NONE,
+        clock: Clock::default(),
         seed: 0,
     };
     let costs = cost(&scene, "figures/figure-3", &options, &|_| ()).unwrap();

@@ -4,7 +4,7 @@ use crate::common::suite::{case_of as case, film_of as film, suite};
 use volref::compare::Picture;
 use volref::film::{Bits, Film};
 use volref::judging::{Judged, Verdict, validate};
-use volref::naming::{ConventionSearch, Predictions, Search, likeness};
+use volref::naming::{ConventionSearch, Predictions, Search, diagnosis};
 use volref::suite::{Case, Output};
 
 const WORK: f64 = 10.0;
@@ -33,7 +33,7 @@ fn searched(case: &Case, picture: Picture) -> Judged {
     };
     let mut all = [judged];
     if all[0].result.reason.contains("nothing was drawn") {
-        let likely = likeness(&[case], None, &mut all, &search);
+        let likely = diagnosis(&[case], None, &mut all, &search);
         assert_eq!(likely.searched, 0);
     }
     let [judged] = all;

@@ -16,7 +16,7 @@ use volref::film::Film;
 use volref::geometry::{Camera, Direction, Ray, Span, Transform};
 use volref::judging::{Verdict, validate};
 use volref::math::{exp, ln, pow};
-use volref::naming::{Predictions, Search, likeness};
+use volref::naming::{Predictions, Search, diagnosis};
 use volref::optics::{Appearance, TransferPoint, TransferPoints};
 use volref::reference;
 use volref::render::classified::modes::ExactField;
@@ -708,7 +708,7 @@ fn mistakes_of_the_family_are_named() {
                 interrupted: &|| false,
                 progress: &|_| {},
             };
-            likeness(&[case], None, &mut judged, &search);
+            diagnosis(&[case], None, &mut judged, &search);
             let said = &judged[0].result.looks_like;
             if said.contains(name) {
                 named += 1;

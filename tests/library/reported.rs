@@ -9,7 +9,7 @@ use toml::{Table, Value};
 use volref::compare::Picture;
 use volref::film::Film;
 use volref::judging::{CaseResult, Verdict, validate};
-use volref::naming::{ConventionSearch, Predictions, Search, likeness};
+use volref::naming::{ConventionSearch, Predictions, Search, diagnosis};
 use volref::render::{Sampling, Seed, plans, render};
 use volref::scene::Scene;
 use volref::suite::{Case, Output, Suite};
@@ -164,7 +164,7 @@ fn answer(case: &Case, suite: &Suite, film: Film, predictions: &Predictions) -> 
         interrupted: &|| false,
         progress: &|_| (),
     };
-    likeness(&[case], None, &mut judged, &search);
+    diagnosis(&[case], None, &mut judged, &search);
     judged.swap_remove(0).result
 }
 

@@ -8,7 +8,7 @@ use volref::compare::Picture;
 use volref::film::Film;
 use volref::judging::{CaseResult, Judged, Verdict, validate};
 use volref::math::powu;
-use volref::naming::{Predictions, Search, Stage, likeness};
+use volref::naming::{Predictions, Search, Stage, diagnosis};
 use volref::scene::{Classified, Scene};
 use volref::suite::{Case, Output};
 use volref::variations::mistakes;
@@ -35,7 +35,7 @@ fn searched(
     let mut judged: Vec<Judged> = vec![validate(case, &suite.store(), output, None)];
     let reason = &judged[0].result.reason;
     assert_eq!(judged[0].result.verdict, Verdict::Fail, "{reason}");
-    likeness(&[case], None, &mut judged, &search);
+    diagnosis(&[case], None, &mut judged, &search);
     (judged.remove(0).result, predictions.count())
 }
 

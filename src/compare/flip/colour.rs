@@ -59,13 +59,13 @@ fn apply(m: &Matrix, v: Colour) -> Colour {
     m.map(|row| row[0] * v[0] + row[1] * v[1] + row[2] * v[2])
 }
 
-/// An image in the linear opponent space YCxCz: luminance, red–green and blue–yellow.
+/// An image in the linear opponent space YCxCz: luminance as a fraction of white's, red–green and blue–yellow.
 ///
 /// With x, y, z the XYZ in units of white, the paper has Y = 116 y − 16, Cx = 500 (x − y),
 /// Cz = 200 (y − z). The factors and the offset are left out here: every filter is linear and
 /// its weights sum to one (or, for features, to zero), so they would be undone unchanged.
 #[derive(Clone, Debug)]
-pub struct OpponentPlanes([Plane; 3]);
+pub struct OpponentPlanes(pub [Plane; 3]);
 
 impl OpponentPlanes {
     pub fn of(image: &SrgbImage) -> Self {
@@ -76,20 +76,10 @@ impl OpponentPlanes {
         for (index, pixel) in image.pixels().iter().enumerate() {
             let rgb = pixel.map(|code| light_of_code[usize::from(code)]);
             for (plane, value) in planes.iter_mut().zip(opponent(apply(&RELATIVE_XYZ, rgb))) {
-                plane.samples_mut()[index] = value;
+                plane.samples[index] = value;
             }
         }
         Self(planes)
-    }
-
-    /// Luminance as a fraction of white's.
-    pub fn luminance(&self) -> &Plane {
-        &self.0[0]
-    }
-
-    /// Luminance, redness less greenness and yellowness less blueness.
-    pub fn planes(&self) -> &[Plane; 3] {
-        &self.0
     }
 }
 

@@ -100,7 +100,7 @@ impl BlurredRow {
     /// Blurs row `y` of the image into this row.
     pub fn fill(&mut self, filter: &ContrastFilter, image: &OpponentPlanes, y: usize) {
         let between = &mut self.column_blurred;
-        let channels = image.planes().iter().zip(&filter.0).zip(&mut self.channels);
+        let channels = image.0.iter().zip(&filter.0).zip(&mut self.channels);
         for ((plane, terms), channel) in channels {
             channel.fill(0.0);
             for [along_column, along_row] in terms {

@@ -4,54 +4,31 @@ use crate::math::Sum;
 
 /// FLIP errors of an image, each in [0, 1], row-major, top row first. At least one pixel.
 #[derive(Clone, Debug, PartialEq)]
-pub struct ErrorMap {
-    width: usize,
-    height: usize,
-    values: Vec<f64>,
-}
+pub struct ErrorMap(pub(super) Vec<f64>);
 
 impl ErrorMap {
-    pub(super) fn new(width: usize, height: usize, values: Vec<f64>) -> Self {
-        debug_assert_eq!(values.len(), width * height);
-        Self {
-            width,
-            height,
-            values,
-        }
-    }
-
-    /// Columns.
-    pub fn width(&self) -> usize {
-        self.width
-    }
-
-    /// Rows.
-    pub fn height(&self) -> usize {
-        self.height
-    }
-
     /// The errors, row-major, top row first.
     pub fn values(&self) -> &[f64] {
-        &self.values
+        &self.0
     }
 
     /// Mean error: the single number to use if one must be used, say the authors (note
     /// "Hindsight" on the paper's project page).
     pub fn mean(&self) -> f64 {
-        let sum: Sum = self.values.iter().copied().collect();
-        sum.value() / self.values.len() as f64
+        let sum: Sum = self.0.iter().copied().collect();
+        sum.value() / self.0.len() as f64
     }
 
-    /// Largest error.
+    /// Largest error of a pixel, in [0, 1].
     pub fn max(&self) -> f64 {
-        self.values.iter().copied().fold(0.0, f64::max)
+        self.0.iter().copied().fold(0.0, f64::max)
     }
 
     /// The smallest error v such that the pixels with errors up to v carry at least `percent`
     /// of the sum of all errors, `percent` in [0, 100]. A plain percentile ignores a small fault in
     /// a large correct image; this one does not.
     pub fn weighted_percentile(&self, percent: f64) -> f64 {
-        let mut sorted = self.values.clone();
+        let mut sorted = self.0.clone();
         sorted.sort_unstable_by(f64::total_cmp);
         let total: Sum = sorted.iter().copied().collect();
         let share = percent.clamp(0.0, 100.0) / 100.0 * total.value();
@@ -67,12 +44,19 @@ impl ErrorMap {
     }
 }
 
+/// The errors in the magma palette, from black for 0 to pale yellow for 1: 8-bit sRGB, row-major,
+/// top row first.
+pub fn magma(errors: &ErrorMap) -> Vec<[u8; 3]> {
+    let colour = |error: &f64| colorous::MAGMA.eval_continuous(*error).into_array();
+    errors.values().iter().map(colour).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
     fn map(values: &[f64]) -> ErrorMap {
-        ErrorMap::new(values.len(), 1, values.to_vec())
+        ErrorMap(values.to_vec())
     }
 
     #[test]
@@ -93,5 +77,12 @@ mod tests {
     fn mean_and_max() {
         let errors = map(&[0.25, 0.0, 0.5, 0.25]);
         assert_eq!((errors.mean(), errors.max()), (0.25, 0.5));
+    }
+
+    #[test]
+    fn no_error_is_black_and_full_error_pale_yellow() {
+        let ends = magma(&ErrorMap(vec![0.0, 1.0]));
+        // The ends of the palette of S. van der Walt and N. Smith.
+        assert_eq!(ends, [[0, 0, 4], [252, 253, 191]]);
     }
 }

@@ -56,15 +56,4 @@ impl SrgbImage {
     pub fn pixels(&self) -> &[[u8; 3]] {
         &self.pixels
     }
-
-    /// An error unless `test` has the size of `self`, the reference.
-    pub(super) fn require_same_size(&self, test: &Self) -> Result<(), FlipError> {
-        let (reference, test) = ((self.width, self.height), (test.width, test.height));
-        if reference == test {
-            return Ok(());
-        }
-        Err(FlipError(format!(
-            "the reference is {reference:?} pixels wide and high, the test image {test:?}"
-        )))
-    }
 }

@@ -24,14 +24,12 @@ mod colour;
 mod contrast;
 mod error_map;
 mod feature;
-mod heatmap;
 mod image;
 mod kernel;
 mod plane;
 mod power;
 
-pub use error_map::ErrorMap;
-pub use heatmap::magma;
+pub use error_map::{ErrorMap, magma};
 pub use image::{FlipError, SrgbImage};
 
 use rayon::prelude::*;
@@ -68,12 +66,17 @@ pub fn flip(
     test: &SrgbImage,
     pixels_per_degree: f64,
 ) -> Result<ErrorMap, FlipError> {
-    reference.require_same_size(test)?;
+    let (width, height) = (reference.width(), reference.height());
+    let (reference_size, test_size) = ((width, height), (test.width(), test.height()));
+    if reference_size != test_size {
+        return Err(FlipError(format!(
+            "the reference is {reference_size:?} pixels wide and high, the test image {test_size:?}"
+        )));
+    }
     if !PIXELS_PER_DEGREE_RANGE.contains(&pixels_per_degree) {
         let fault = format!("{pixels_per_degree} pixels per degree is outside 1 to 10000");
         return Err(FlipError(fault));
     }
-    let (width, height) = (reference.width(), reference.height());
     let contrast = ContrastFilter::new(pixels_per_degree);
     let features = FeatureFilter::new(pixels_per_degree);
     let scale = ColourScale::new();
@@ -98,20 +101,16 @@ pub fn flip(
                 [(&reference, &mut *of_reference), (&test, &mut *of_test)]
             {
                 blurred.fill(&contrast, image, y);
-                feature.fill(&features, image.luminance(), y);
+                feature.fill(&features, &image.0[0], y);
             }
             for (x, error) in errors.iter_mut().enumerate() {
                 let colour = scale.difference(of_reference.0.colour(x), of_test.0.colour(x));
                 let feature = feature_difference(of_reference.1.strength(x), of_test.1.strength(x));
-                *error = join(colour, feature);
+                // The feature difference raises the colour difference, and leaves equal colours at no error.
+                // Source: section 4.3, `ΔE = ΔE_c^(1 − ΔE_f)`.
+                *error = power(colour, 1.0 - feature);
             }
         },
     );
-    Ok(ErrorMap::new(width, height, values))
-}
-
-/// The FLIP error: the feature difference raises the colour difference, and leaves equal
-/// colours at no error. Source: section 4.3, `ΔE = ΔE_c^(1 − ΔE_f)`.
-fn join(colour_difference: f64, feature_difference: f64) -> f64 {
-    power(colour_difference, 1.0 - feature_difference)
+    Ok(ErrorMap(values))
 }

@@ -7,7 +7,7 @@ use super::kernel::Kernel;
 pub struct Plane {
     width: usize,
     height: usize,
-    samples: Vec<f64>,
+    pub samples: Vec<f64>,
 }
 
 impl Plane {
@@ -17,10 +17,6 @@ impl Plane {
             height,
             samples: vec![0.0; width * height],
         }
-    }
-
-    pub fn samples_mut(&mut self) -> &mut [f64] {
-        &mut self.samples
     }
 
     /// The row `offset` rows below row `y`; beyond the border, the border row.

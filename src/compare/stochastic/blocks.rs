@@ -44,8 +44,9 @@ impl Rounding {
         }
     }
 
-    /// Error that codes of 8 bits make of a pixel with the value `a` in the reference and `b` in the test image, which
-    /// states this variance: half a code, and what the [largest code cuts off](super::cut_off) of its noise.
+    /// Error that codes of 8 bits make in a pixel: half a code, and the part of its noise that the
+    /// [largest code cuts off](super::cut_off). It is `a` in the reference, and `b` in the test image, which states this
+    /// variance.
     fn of_codes(&self, a: f64, b: f64, variance: f64) -> f64 {
         self.quantisation.map_or(0.0, |it| {
             let below = it.largest() - a;
@@ -120,7 +121,7 @@ impl Variance {
         self.guard[0] + self.guard[1]
     }
 
-    /// The larger of the two.
+    /// The larger of the two estimates.
     pub fn largest(&self) -> f64 {
         self.own().max(self.guard())
     }

@@ -24,15 +24,12 @@ pub(super) struct Comparison<'f> {
 
 /// Variance of a channel of a block by both estimates.
 fn variance(stated: [Stated; 2], shape: &NoiseShape, channel: &Channel) -> Variance {
+    let mut own = channel.stated;
+    if let Some(silent) = unstated(stated) {
+        own[silent] = (channel.spread - own[1 - silent]).max(0.0);
+    }
     Variance {
-        own: match unstated(stated) {
-            None => channel.stated,
-            Some(silent) => {
-                let mut own = channel.stated;
-                own[silent] = (channel.spread - own[1 - silent]).max(0.0);
-                own
-            }
-        },
+        own,
         guard: shape.guard(channel.stated, channel.radiance),
     }
 }
@@ -94,7 +91,7 @@ impl<'f> Comparison<'f> {
         ]
     }
 
-    /// Blocks in a row.
+    /// Number of blocks in a row.
     pub fn columns(&self) -> usize {
         parts(self.films[0].width()).count()
     }
@@ -138,9 +135,8 @@ impl<'f> Comparison<'f> {
         totals
     }
 
-    /// Deviation of the whole image, in standard errors. Where one image does not state its
-    /// noise and is the brighter one, by its own variance alone: k rare events make it brighter by
-    /// √k of the standard errors that they cause themselves, at most.
+    /// Deviation of the whole image, in standard errors. If one image does not state its noise and is the brighter one, its
+    /// own variance alone counts: k rare events make it brighter by at most √k of the standard errors that they cause.
     pub fn deviation(&self, total: &Channel) -> f64 {
         let beyond = total.difference.beyond_rounding();
         let is_brighter = match unstated(self.stated) {

@@ -8,7 +8,7 @@
 //!   of a pixel and is nearer to normal. Holm's procedure corrects for the number of tests.
 //! - *Squares of blocks, rows and columns* at every scale up to the image, where no block and no mean is off:
 //!   see the file `scales.rs`.
-//! - *Numbers of the scene*: does the difference look like what an error of one of them makes, where
+//! - *Parameters of the scene*: does the difference look like what an error of one of them makes, where
 //!   derivatives are known? See the file `scores.rs`.
 //! - *Pixels*: do too many lie beyond five standard errors? By Chebyshev's inequality a pixel
 //!   does with probability 1/25 at most, whatever the shape of its noise. This finds
@@ -114,7 +114,6 @@ mod comparison;
 mod cut_off;
 mod map;
 mod neighbours;
-mod numbers;
 mod pixels;
 mod resolution;
 mod scales;
@@ -142,10 +141,10 @@ use blocks::{Block, Channel};
 use comparison::Comparison;
 use cut_off::WithinCodes;
 use neighbours::judge_neighbours;
-use numbers::judge_numbers;
 use pixels::{PixelDifferences, judge_black};
 use resolution::Limits;
 use scales::judge_scales;
+use scores::judge_numbers;
 
 /// Probability that any correct case of a suite is rejected.
 pub const FALSE_ALARM: f64 = 1e-6;
@@ -203,7 +202,7 @@ pub fn judge_at(reference: &Film, test: &Film, level: f64) -> Result<Judgement, 
     judge_with(reference, test, level, None, &[])
 }
 
-/// [`judge_at`] of an image that is to show the promised biases, where it is known how the reference changes with numbers
+/// [`judge_at`] of an image that is to show the promised biases, where it is known how the reference changes with parameters
 /// of its scene.
 pub fn judge_with(
     reference: &Film,
@@ -247,7 +246,7 @@ fn judgement(
 ) -> Judgement {
     let mut metrics = Metrics::new();
     let limits = Limits::new(comparison, level);
-    let visible = limits.visible(comparison, true);
+    let visible = limits.visible(comparison, |difference| difference.rounding);
     metrics.push(("smallest_visible_bias", visible[0]));
     metrics.push(("smallest_visible_block_bias", visible[1]));
 
@@ -378,13 +377,9 @@ fn judge_whole(comparison: &Comparison<'_>, level: f64, metrics: &mut Metrics) -
     let pixels: usize = comparison.blocks.iter().map(Block::pixels).sum();
     let mean = |c: usize| totals[c].difference.value / pixels as f64;
     let deviations = totals.map(|total| comparison.deviation(&total));
-    let names = [
-        ("mean_difference_red", "mean_z_red"),
-        ("mean_difference_green", "mean_z_green"),
-        ("mean_difference_blue", "mean_z_blue"),
-    ];
-    for (c, (difference, z)) in names.into_iter().enumerate() {
-        metrics.push((difference, mean(c)));
+    let names = ["mean_z_red", "mean_z_green", "mean_z_blue"];
+    for (c, z) in names.into_iter().enumerate() {
+        metrics.push((MEAN_DIFFERENCES[c].0, mean(c)));
         metrics.push((z, finite(deviations[c])));
     }
     let probabilities = deviations.map(two_sided);

@@ -74,8 +74,8 @@ impl NeighbourAxis {
 const QUADS: [[usize; 4]; 2] = [[0, 1, 4, 5], [2, 3, 6, 7]];
 
 /// Factors on the differences of each block and channel, so that blocks can be added: one over the standard error of a
-/// pixel of the finer image, or of the median block where that is larger: dark blocks, in which light of others is much
-/// to them, do not outweigh those. Where the reference is known, that of the guard.
+/// pixel of the finer image, or of the guard where the reference is known. The standard error is at least that of the
+/// median block: dark blocks, to which a little light from others is much, do not outweigh bright ones.
 fn scales(comparison: &Comparison<'_>) -> Vec<[f64; 3]> {
     let noise = |channel: &Channel| match comparison.shape.is_known {
         true => channel.variance.guard(),

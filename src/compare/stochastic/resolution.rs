@@ -12,9 +12,9 @@ use std::f64::consts::SQRT_2;
 /// decision.
 const MOST_TIMES: f64 = 1e6;
 
-/// Standard errors by which the noise may be larger than it seems, when samples are advised: √2
-/// for the estimate that the advice is made from and that of the image that follows it, three times
-/// that for what one in seven hundred exceeds.
+/// Standard errors by which the noise may be larger than it seems, when samples are advised. The advice rests on one
+/// estimate, and the image that follows it on another: together they have √2 standard errors. One in seven hundred
+/// exceeds three times that.
 const SAFETY: f64 = 3.0 * SQRT_2;
 
 /// Largest safety factor on the advice, for very rough estimates of the noise.
@@ -63,28 +63,20 @@ impl<'c> Limits<'c> {
         ]
     }
 
-    /// The biases that would show with probability one half at least in `comparison`, of these or of other variances: of
-    /// the mean of the image in each channel, and of nine tenths of the blocks, relative to the mean plus
-    /// [`DARK`](super::DARK). With what codes of 8 bits hide, or with noise alone.
-    pub fn visible(&self, comparison: &Comparison<'_>, codes_hide: bool) -> [f64; 2] {
-        let rounding = |difference: &Difference| {
-            difference.rounding
-                - if codes_hide {
-                    0.0
-                } else {
-                    difference.half_codes
-                }
-        };
+    /// The biases that `comparison`, with these or other variances, would show with probability one half at least: of the
+    /// mean of the image, in its worst channel, and of nine tenths of the blocks. They are relative to the mean plus
+    /// [`DARK`](super::DARK). `hidden` is the part of a difference that hides a bias beside noise.
+    pub fn visible(&self, comparison: &Comparison<'_>, hidden: fn(&Difference) -> f64) -> [f64; 2] {
         let totals = comparison.totals();
         let of_mean = [0, 1, 2].map(|c| {
             let variance = comparison.variance_of_whole(&totals[c]);
             let floor: f64 = comparison.blocks.iter().map(|block| block.floor(c)).sum();
-            (self.whole * variance.sqrt() + rounding(&totals[c].difference)) / floor
+            (self.whole * variance.sqrt() + hidden(&totals[c].difference)) / floor
         });
         let of_block = |block: &Block, channel: usize| {
             let [own, guard] = self.terms(block, channel);
-            let rounding = rounding(&block.channels[channel].difference);
-            (own.max(guard).sqrt() + rounding) / block.floor(channel)
+            let hidden = hidden(&block.channels[channel].difference);
+            (own.max(guard).sqrt() + hidden) / block.floor(channel)
         };
         let of_mean = of_mean.into_iter().fold(0.0, f64::max);
         [of_mean, of_nine_tenths(&comparison.blocks, of_block)].map(finite)
@@ -106,7 +98,8 @@ impl<'c> Limits<'c> {
     /// the mean and of blocks that the promise asks for.
     pub fn undecided(&self, promise: &Promise) -> Option<(Undecided, [f64; 2])> {
         // The precision of an image is declared: no samples make up for it, and none are asked for.
-        let seen = |comparison: &Comparison<'_>| self.visible(comparison, false);
+        let but_codes = |it: &Difference| it.rounding - it.half_codes;
+        let seen = |comparison: &Comparison<'_>| self.visible(comparison, but_codes);
         let hidden = seen(&self.comparison.with_samples(MOST_TIMES));
         let required = promise.required(hidden);
         let keeps = |[mean, block]: [f64; 2]| mean <= required[0] && block <= required[1];

@@ -6,8 +6,8 @@
 
 use super::blocks::{Block, Channel};
 use super::comparison::Comparison;
-use super::{means, probability, side};
-use crate::compare::significance::{deviation, holm};
+use super::{block_deviation, means, probability, side};
+use crate::compare::significance::holm;
 use crate::film::CHANNELS;
 use std::ops::Range;
 
@@ -48,10 +48,7 @@ pub(super) fn judge_scales(comparison: &Comparison<'_>, level: f64) -> Option<St
             means(
                 worst.sums.radiance / worst.pixels as f64,
                 worst.sums.difference.value / worst.pixels as f64,
-                deviation(
-                    worst.sums.difference.beyond_rounding(),
-                    worst.sums.variance.largest()
-                )
+                block_deviation(&worst.sums)
             ),
         )
     })
@@ -91,7 +88,7 @@ fn bands(comparison: &Comparison<'_>, lines: &[Block]) -> Vec<Region> {
 }
 
 impl Region {
-    /// The channels of a region of these blocks.
+    /// The channels of a region of these blocks, which begin in its first corner and end in the last one.
     fn of<'b>(
         comparison: &Comparison<'_>,
         blocks: impl Iterator<Item = &'b Block> + Clone,
@@ -105,12 +102,12 @@ impl Region {
         blocks: impl Iterator<Item = &'b Block>,
     ) -> Region {
         let (mut sums, mut pixels, mut degrees) = (Channel::default(), 0, 0.0);
-        let nothing = Range {
-            start: usize::MAX,
-            end: 0,
-        };
-        let (mut columns, mut rows) = (nothing.clone(), nothing);
+        let (mut columns, mut rows) = (0..0, 0..0);
         for block in blocks {
+            if pixels == 0 {
+                (columns.start, rows.start) = (block.columns.start, block.rows.start);
+            }
+            (columns.end, rows.end) = (block.columns.end, block.rows.end);
             let of = &block.channels[colour];
             pixels += block.pixels();
             degrees += comparison.degrees(block);
@@ -120,11 +117,6 @@ impl Region {
             // By the ratio of noise that is larger, of single blocks or where the image is brightest.
             let of_whole = comparison.shape.guard_of_whole(of.stated, of.radiance);
             sums.variance.guard[0] += of.variance.guard().max(of_whole);
-            let around = |all: &Range<usize>, one: &Range<usize>| {
-                all.start.min(one.start)..all.end.max(one.end)
-            };
-            columns = around(&columns, &block.columns);
-            rows = around(&rows, &block.rows);
         }
         Region {
             columns,

@@ -1,7 +1,7 @@
-//! Score tests: correlation of the difference with the derivative of the image by each number of
+//! Score tests: correlation of the difference with the derivative of the image by each parameter of
 //! the scene.
 //!
-//! The derivative D of the image by a number says where a small error of that number shows. The sum
+//! The derivative D of the image by a parameter says where a small error of that parameter shows. The sum
 //! `S = Σ D·d/v` over blocks and channels, of the differences d whose variances are v, is of all sums
 //! of differences the one that sees such an error best (Rao 1948, Proceedings of the Cambridge
 //! Philosophical Society 44, 50–57). It is no test of the noise of D: that is independent of d.
@@ -31,6 +31,7 @@
 //! [search for a cause](crate::naming) tells, with scenes rendered anew.
 
 use super::comparison::Comparison;
+use super::{Metrics, finite};
 use crate::compare::judgement::{Detectable, NumberChange};
 use crate::compare::sensitivity::Sensitivity;
 use crate::compare::significance::deviation;
@@ -41,10 +42,47 @@ use std::cmp::Ordering;
 /// series are of this size, whatever the noise.
 const FLOOR: f64 = 1e-3;
 
+/// Findings on the parameters of a scene.
+#[derive(Default)]
+pub(super) struct NumberFindings {
+    /// Reason to reject: the changes that the difference looks like.
+    pub fault: Option<String>,
+    /// Changes that fit, for a rejected image.
+    pub changes: Vec<NumberChange>,
+    pub detectable: Vec<Detectable>,
+}
+
+/// Tests for an error in each parameter of which a sensitivity is known, all together at `level`.
+pub(super) fn judge_numbers(
+    comparison: &Comparison<'_>,
+    sensitivities: &[Sensitivity],
+    level: f64,
+    metrics: &mut Metrics,
+) -> NumberFindings {
+    let mut findings = NumberFindings::default();
+    if sensitivities.is_empty() || comparison.numbers().contains(&None) {
+        return findings;
+    }
+    let Some(scores) = Scores::new(comparison, sensitivities) else {
+        return findings;
+    };
+    let tests = scores.tested.len() as f64;
+    let (_, largest) = scores.largest();
+    metrics.push(("scores", tests));
+    metrics.push(("largest_score", finite(largest)));
+    findings.detectable = scores.detectable(level / tests);
+    if largest.abs() >= critical(level / tests) {
+        let best = scores.best();
+        findings.fault = Some(scores.in_words(&best));
+        findings.changes = scores.changes(&best);
+    }
+    findings
+}
+
 /// Scores of one comparison.
-pub(super) struct Scores<'s> {
+struct Scores<'s> {
     sensitivities: Vec<&'s Sensitivity>,
-    /// Scores by number.
+    /// Scores by parameter.
     tested: Vec<Tested>,
     cells: Vec<Cell>,
 }
@@ -58,19 +96,18 @@ struct Cell {
     weight: f64,
     /// Variance of the difference, by both estimates.
     variances: [f64; 2],
-    /// Derivative by each number, and its variance.
+    /// Derivative by each parameter, and its variance.
     derivatives: Vec<[f64; 2]>,
 }
 
 impl Cell {
-    /// The part of the information on number `k`.
+    /// The part of the information on parameter `k`.
     fn information(&self, k: usize) -> f64 {
         let [derivative, noise] = self.derivatives[k];
         self.weight * (derivative * derivative - noise)
     }
 }
 
-#[derive(Clone, Copy, Debug)]
 struct Tested {
     score: f64,
     /// Part of it that rounding can explain.
@@ -84,7 +121,7 @@ struct Tested {
 }
 
 impl Tested {
-    /// Score of number `k`.
+    /// Score of parameter `k`.
     fn new(cells: &[Cell], k: usize) -> Tested {
         let information: f64 = cells.iter().map(|cell| cell.information(k)).sum();
         let blocks = || cells.chunks(3);
@@ -140,10 +177,9 @@ impl Tested {
     }
 }
 
-/// A change of a number that fits.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Fitted {
-    /// Index of the number.
+/// A change of a parameter that fits.
+struct Fitted {
+    /// Index of the parameter.
     number: usize,
     /// Change in its unit.
     change: f64,
@@ -153,7 +189,7 @@ pub(super) struct Fitted {
 
 impl<'s> Scores<'s> {
     /// Scores of the sensitivities in blocks; `None` without any.
-    pub fn new(comparison: &Comparison<'_>, all: &'s [Sensitivity]) -> Option<Scores<'s>> {
+    fn new(comparison: &Comparison<'_>, all: &'s [Sensitivity]) -> Option<Scores<'s>> {
         let blocks = &comparison.blocks;
         let fits = |it: &&Sensitivity| it.derivative.radiance().len() == blocks.len();
         let mut sensitivities: Vec<&Sensitivity> = all.iter().filter(fits).collect();
@@ -183,31 +219,21 @@ impl<'s> Scores<'s> {
         })
     }
 
-    /// Number of tests.
-    pub fn count(&self) -> usize {
-        self.tested.len()
-    }
-
-    /// The number with the largest score, and that score in standard errors.
-    pub fn largest(&self) -> (usize, f64) {
+    /// The parameter with the largest score, and that score in standard errors.
+    fn largest(&self) -> (usize, f64) {
         let deviations = self.tested.iter().map(Tested::deviation).enumerate();
         deviations
             .max_by(|(_, a), (_, b)| a.abs().total_cmp(&b.abs()))
             .expect("there is a test")
     }
 
-    /// The score of number `k` without its sign, in standard errors.
+    /// The score of parameter `k` without its sign, in standard errors.
     fn size(&self, k: usize) -> f64 {
         self.tested[k].deviation().abs()
     }
 
-    /// True if a score is so large by chance with a probability of `level` at most, in one test.
-    pub fn is_rejected(&self, level: f64) -> bool {
-        self.largest().1.abs() >= critical(level)
-    }
-
-    /// The smallest change of each number that its score would reject with probability one half.
-    pub fn detectable(&self, level: f64) -> Vec<Detectable> {
+    /// The smallest change of each parameter that its score would reject with probability one half.
+    fn detectable(&self, level: f64) -> Vec<Detectable> {
         let of_number = |(sensitivity, tested): (&&Sensitivity, &Tested)| {
             let visible = critical(level) * tested.expected_variance.sqrt() + tested.hidden;
             let change = visible / tested.information;
@@ -222,8 +248,8 @@ impl<'s> Scores<'s> {
     }
 
     /// The change that fits of the parameter with the largest score, among those that can change so.
-    pub fn best(&self) -> Fitted {
-        let all = || (0..self.count()).map(|k| self.fit(k));
+    fn best(&self) -> Fitted {
+        let all = || (0..self.tested.len()).map(|k| self.fit(k));
         let possible = all().filter(|it| self.is_possible(it));
         let largest = possible.max_by(|a, b| self.size(a.number).total_cmp(&self.size(b.number)));
         largest.unwrap_or_else(|| self.fit(self.largest().0))
@@ -233,25 +259,20 @@ impl<'s> Scores<'s> {
         self.sensitivities[it.number].is_possible(it.change)
     }
 
-    /// The change of number `k` that fits, by weighted least squares.
+    /// The change of parameter `k` that fits, by weighted least squares.
     fn fit(&self, k: usize) -> Fitted {
-        let Tested {
-            score,
-            hidden,
-            information,
-            expected_variance,
-            ..
-        } = self.tested[k];
-        let change = score / information;
+        let tested = &self.tested[k];
+        let information = tested.information;
+        let change = tested.score / information;
         let of_derivative = of_blocks(&self.cells, |cell| {
             let [derivative, noise] = cell.derivatives[k];
             cell.weight * (noise * (derivative * derivative + noise)).sqrt()
         });
         let part = change / information;
-        let variance =
-            expected_variance / (information * information) + part * part * of_derivative;
+        let of_score = tested.expected_variance / (information * information);
+        let variance = of_score + part * part * of_derivative;
         let curvature = self.sensitivities[k].curvature(change);
-        let rounding = hidden / information;
+        let rounding = tested.hidden / information;
         Fitted {
             number: k,
             change,
@@ -260,9 +281,9 @@ impl<'s> Scores<'s> {
     }
 
     /// Every parameter with the change of it that fits, by the size of their scores; first the `best`.
-    pub fn changes(&self, best: &Fitted) -> Vec<NumberChange> {
+    fn changes(&self, best: &Fitted) -> Vec<NumberChange> {
         let best = |k: usize| best.number == k;
-        let mut all: Vec<usize> = (0..self.count()).collect();
+        let mut all: Vec<usize> = (0..self.tested.len()).collect();
         all.sort_by(|&a, &b| {
             (best(b), self.size(b))
                 .partial_cmp(&(best(a), self.size(a)))
@@ -286,7 +307,7 @@ impl<'s> Scores<'s> {
     }
 
     /// Sentence on what the difference looks like.
-    pub fn in_words(&self, best: &Fitted) -> String {
+    fn in_words(&self, best: &Fitted) -> String {
         let deviation = format!("{:.1} standard errors", self.size(best.number));
         let sensitivity = self.sensitivities[best.number];
         if sensitivity.is_far(best.change) || !self.is_possible(best) {
@@ -307,7 +328,7 @@ fn critical(level: f64) -> f64 {
     (2.0 * math::ln(2.0 / level)).sqrt()
 }
 
-/// Channels of all blocks, with their derivatives by all these numbers.
+/// Channels of all blocks, with their derivatives by all these parameters.
 fn cells(comparison: &Comparison<'_>, sensitivities: &[&Sensitivity]) -> Vec<Cell> {
     let mut cells = Vec::with_capacity(comparison.asked());
     for (at, block) in comparison.blocks.iter().enumerate() {

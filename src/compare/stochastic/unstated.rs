@@ -1,9 +1,9 @@
 //! Noise that a test image does not state, beside a reference that has none.
 //!
-//! A right image without noise differs from such a reference by no more than the deterministic gate allows. What
-//! differs by more is wrong, unless the difference is noise: then it is in most pixels that have light, and neighbours are as
-//! often on different sides of the median of their block as on the same. Single wrong pixels leave most as they are; neighbours of
-//! a bias, of a displaced edge and of a filtered image are on the same side.
+//! A right image without noise differs from such a reference by no more than the deterministic gate allows. An image that
+//! differs by more is wrong, unless the difference is noise. Noise is in most pixels that have light, and neighbours are as
+//! often on different sides of the median of their block as on the same. Single wrong pixels leave most pixels as they are.
+//! Where an image is biased, displaced or filtered, neighbours are on the same side.
 
 use super::super::deterministic::tolerance;
 use super::blocks::{DARK, parts};
@@ -15,9 +15,9 @@ use std::collections::BTreeMap;
 /// (3.7 standard deviations), and two thirds of its pixels are beyond this.
 const OFF: f64 = 0.1;
 
-/// Share of the neighbours beyond one half that may be on the same side: less than what the mean of 2 × 2 pixels makes,
-/// asin(1/2)/π = 1/6, and more than what a median that varies within the block does: 2 · 0.2² = 0.08, where it leaves
-/// 70 % of the noise on one side.
+/// Share of the neighbours beyond one half that may be on the same side. A mean of 2 × 2 pixels makes more:
+/// asin(1/2)/π = 1/6. A median that varies within the block makes less: 2 · 0.2² = 0.08, if it leaves 70 % of the noise on
+/// one side.
 const MORE_ON_ONE_SIDE: f64 = 0.1;
 
 /// Standard errors of that share that chance may add where few pixels have light: once in 30,000 images it is more.

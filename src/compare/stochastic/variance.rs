@@ -80,22 +80,22 @@ impl NoiseShape {
         let silent = unstated(stated);
         let is_known = stated[0] == Stated::Known;
         let pair = |channel: &Channel| {
-            let below = if is_known {
-                channel.radiance.abs()
-            } else {
-                channel.stated[fine]
+            let above = match silent {
+                None => channel.stated[1 - fine],
+                Some(_) => channel.spread,
             };
-            match silent {
-                None => [channel.stated[1 - fine], below],
-                Some(_) => [channel.spread, below],
-            }
+            let below = match is_known {
+                true => channel.radiance.abs(),
+                false => channel.stated[fine],
+            };
+            [above, below]
         };
-        let bound = |ratio: &Ratio| match (stated, silent) {
-            ([Stated::Samples(a), Stated::Samples(b)], _) => ratio.value().max(a.max(b) / a.min(b)),
+        let bound = |ratio: &Ratio| match stated {
+            [Stated::Samples(a), Stated::Samples(b)] => ratio.value().max(a.max(b) / a.min(b)),
             // Renderings do not say how many samples their spread is the noise of: the ratio is
             // estimated, as it is for an image that states nothing, whose spread is the noise of
             // both.
-            (_, silent) => {
+            _ => {
                 let pixels = (BLOCK * BLOCK) as f64;
                 let degrees = match stated[1 - fine] {
                     Stated::Renderings(count) | Stated::Samples(count) => pixels * (count - 1.0),
@@ -103,11 +103,7 @@ impl NoiseShape {
                 };
                 let bound = ratio.upper_of_more(critical(level), degrees, times);
                 // Known values have no share in it.
-                let own = if silent.is_some() && !is_known {
-                    1.0
-                } else {
-                    0.0
-                };
+                let own = f64::from(silent.is_some() && !is_known);
                 (bound - own).max(0.0)
             }
         };

@@ -8,12 +8,12 @@ use super::effects::Effects;
 use super::images::Images;
 use crate::compare::deterministic::{in_tolerances, tolerance};
 use crate::compare::unexplained::makes_what_shows;
-use crate::compare::{Conditions, Picture, default_gate, judge};
+use crate::compare::{Conditions, Picture, passes};
 use crate::conventions::{CATALOGUE, Convention, ConventionSet, Profile, STEP, under};
 use crate::film::Film;
 use crate::judging::nothing_drawn::background;
 use crate::math::{Sum, powu};
-use crate::naming::likeness::{Stage, lattice_of, pixels_of};
+use crate::naming::diagnosis::{Stage, lattice_of, pixels_of};
 use crate::render::Detail;
 use crate::scene::{Classified, Compositing, Conventions, Panel, Scene};
 use rayon::prelude::*;
@@ -26,16 +26,15 @@ const MOST_TOGETHER: usize = 9;
 /// decide for the whole image.
 const CAP: f64 = 20.0;
 
-/// Largest share of the pixels of the lattice outside of the tolerance at which the whole image is
-/// rendered for the verdict. The gate allows 0.02 %; a lattice of few pixels may have met more of
-/// them.
+/// Largest share of the pixels of the lattice that may be outside of the tolerance, if the whole image is rendered for the
+/// verdict. The gate allows 0.02 % of all pixels; a lattice of few pixels may meet more of them.
 pub const MOST_OUTSIDE: f64 = 0.005;
 
 /// Approximate number of pixels of the lattice on which sets are compared.
 pub const LATTICE: usize = 576;
 
-/// Share of the remaining difference that a further convention must remove. A convention of the
-/// renderer that removes less leaves an image that passes without it, or another one comes first.
+/// Share of the remaining difference that a further convention must remove. If one of the renderer's conventions removes
+/// less, the image passes without it, or another convention comes first.
 const LEAST_GAIN: f64 = 0.1;
 
 /// Largest number of sets that are expanded.
@@ -47,8 +46,8 @@ const EXPANDED_AFTER_ROUNDING: usize = 2;
 /// Largest number of sets of an expansion for which the whole image is rendered.
 const MOST_WHOLE: usize = 3;
 
-/// Share of the pixels that are outside of the tolerance under volref's conventions that may be so under
-/// those that are claimed.
+/// Largest share of the pixels outside of the tolerance under volref's conventions that may stay outside under the claimed
+/// ones.
 const LEFT_BY_ROUNDING: f64 = 0.1;
 
 /// Residual of an image beside the right one under other conventions, in tolerances of the deterministic gate, by the
@@ -169,9 +168,9 @@ impl<'a> Attempt<'a> {
         self.is_explained(&found.0, found.1).then_some(found)
     }
 
-    /// True if the images under the conventions of `set` differ from those under volref's own by more than the
-    /// gate allows, and pass or leave no more of the pixels outside of the tolerance than [`LEFT_BY_ROUNDING`]; and if a
-    /// step of the set [shows](Self::shows_step).
+    /// True if the image under the conventions of `set` explains the test image. It differs from the image under
+    /// volref's own conventions by more than the gate allows, and a step of the set [shows](Self::shows_step). It passes,
+    /// or leaves at most the share [`LEFT_BY_ROUNDING`] of the pixels that were outside of the tolerance.
     pub fn is_explained(&self, set: &[usize], but_for: f64) -> bool {
         if !self.shows_step(set) {
             return false;
@@ -184,8 +183,8 @@ impl<'a> Attempt<'a> {
         !self.passes(&own, &under, false) && (but_for == 0.0 || left <= LEFT_BY_ROUNDING * before)
     }
 
-    /// True of a set without a step, and of one whose image differs by more than the gate allows from that with the
-    /// scene's step: one that cannot be told from the scene's is not claimed.
+    /// True of a set without a step. With one, its image must differ by more than the gate allows from the image with the
+    /// scene's step: nobody claims a step that looks like the scene's.
     fn shows_step(&self, set: &[usize]) -> bool {
         let others = set.iter().filter(|&&index| CATALOGUE[index].choice != STEP);
         let others: ConventionSet = others.copied().collect();
@@ -205,8 +204,7 @@ impl<'a> Attempt<'a> {
             ..Conditions::default()
         };
         let pictures = [right, test].map(|film| Picture::Radiance(film.clone()));
-        let (gate, _) = default_gate(&pictures[0], &pictures[1]);
-        judge(gate, &pictures[0], &pictures[1], &conditions).is_ok_and(|judged| judged.passed)
+        passes(&pictures[0], &pictures[1], &conditions)
     }
 
     /// The first set, of those with the least residual, under which the whole images agree.
@@ -367,22 +365,20 @@ impl<'a> Attempt<'a> {
     /// Conventions that can replace one of `set` with the same agreement or more. Where nothing is
     /// at the border, for example, the image does not depend on a first sample there.
     pub fn alternatives(&self, set: &[usize], agreement: f64) -> Vec<usize> {
-        let others = CATALOGUE
-            .iter()
-            .enumerate()
-            .filter_map(|(other, convention)| {
-                let is_same = |&&index: &&usize| CATALOGUE[index].choice == convention.choice;
-                let place = set.iter().position(|index| is_same(&index))?;
-                let mut changed = set.to_vec();
-                changed[place] = other;
-                let agrees = set[place] != other
-                    && convention.stands_alone
-                    && self
-                        .agreement_if_near(&changed)
-                        .is_some_and(|found| found <= agreement);
-                agrees.then_some(other)
-            });
-        others.collect()
+        let agrees = |other: &usize| {
+            let convention = &CATALOGUE[*other];
+            let is_same = |&index: &usize| CATALOGUE[index].choice == convention.choice;
+            let Some(place) = set.iter().position(is_same) else {
+                return false;
+            };
+            let mut changed = set.to_vec();
+            changed[place] = *other;
+            let found = || self.agreement_if_near(&changed);
+            set[place] != *other
+                && convention.stands_alone
+                && found().is_some_and(|found| found <= agreement)
+        };
+        (0..CATALOGUE.len()).filter(agrees).collect()
     }
 }
 

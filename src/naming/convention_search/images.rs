@@ -2,7 +2,7 @@
 
 use crate::conventions::{NodeGradients, RayCaster, under};
 use crate::film::Film;
-use crate::naming::likeness::SearchClock;
+use crate::naming::diagnosis::SearchClock;
 use crate::render::Detail;
 use crate::scene::{Panel, Scene};
 use rayon::prelude::*;
@@ -40,10 +40,8 @@ impl<'a> Images<'a> {
 
     fn of_panel(&self, panel: &Panel, known: &NodeGradients, detail: Detail) -> Option<Film> {
         let caster = RayCaster::with_gradients(panel.classified()?, Some(known));
-        let [columns, rows]: [Vec<usize>; 2] = [
-            detail.columns(panel.width).collect(),
-            detail.rows(panel.height).collect(),
-        ];
+        let columns: Vec<usize> = detail.columns(panel.width).collect();
+        let rows: Vec<usize> = detail.rows(panel.height).collect();
         let pixel = |index: usize| {
             let place = [columns[index % columns.len()], rows[index / columns.len()]];
             let (pixel, work) = caster.pixel(place, [panel.width, panel.height]);

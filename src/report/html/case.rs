@@ -2,7 +2,7 @@
 
 use super::pictures::Views;
 use super::{pixels, words};
-use crate::judging::{CaseResult, Evidence, Known, Likeness, Verdict, metric_meaning};
+use crate::judging::{CaseResult, Evidence, Known, LikelyMistake, Verdict, metric_meaning};
 use minijinja::{Value, context};
 
 /// Changes of parameters that are listed, at most: the others have smaller scores.
@@ -18,13 +18,13 @@ pub(super) fn view(
     index: usize,
     result: &CaseResult,
     evidence: &Evidence,
-    likely: &[Likeness],
+    likely: &[LikelyMistake],
 ) -> Value {
     let mistake = |name: &String| {
-        let known = likely.iter().find(|likeness| likeness.mistake == *name);
+        let known = likely.iter().find(|likely| likely.mistake == *name);
         context! {
             name,
-            advice => known.map(|likeness| &likeness.advice),
+            advice => known.map(|likely| &likely.advice),
         }
     };
     let number = |(name, &value): (&String, &f64)| {

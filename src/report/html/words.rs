@@ -2,11 +2,11 @@
 
 use crate::compare::NON_FINITE;
 use crate::judging::{CaseResult, Verdict};
-use crate::naming::{Likenesses, NOTHING_KNOWN};
+use crate::naming::{Diagnosis, NOTHING_KNOWN};
 use crate::report::terminal::counts_text;
 
 /// The result of the suite in a sentence.
-pub(super) fn headline(results: &[CaseResult], found: &Likenesses) -> String {
+pub(super) fn headline(results: &[CaseResult], found: &Diagnosis) -> String {
     if results.is_empty() {
         return "Nothing was compared.".to_owned();
     }

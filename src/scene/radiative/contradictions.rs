@@ -14,13 +14,13 @@ pub(super) struct Contradictions<'r, 'd, 's> {
     pub scene: &'r Radiative,
     /// `[radiative]`.
     pub reader: &'r Reader<'d, 's>,
-    pub media: &'r [Reader<'d, 's>],
-    pub lights: &'r [Reader<'d, 's>],
+    pub media: Vec<(&'r Reader<'d, 's>, &'r Body)>,
+    pub lights: Vec<(&'r Reader<'d, 's>, &'r Light)>,
 }
 
 const BOUND_IT: &str = "give the medium a boundary: a `sphere`, `box` or closed `mesh`";
 
-impl<'d, 's> Contradictions<'_, 'd, 's> {
+impl Contradictions<'_, '_, '_> {
     /// Refuses scenes whose light is infinite, never arrives, or cannot be found.
     pub(super) fn check(&self) -> SceneResult<()> {
         self.check_far_away()?;
@@ -30,19 +30,11 @@ impl<'d, 's> Contradictions<'_, 'd, 's> {
         self.check_light_that_no_path_meets()
     }
 
-    fn media(&self) -> impl Iterator<Item = (&Reader<'d, 's>, &Body)> {
-        self.media.iter().zip(&self.scene.media)
-    }
-
-    fn lights(&self) -> impl Iterator<Item = (&Reader<'d, 's>, &Light)> {
-        self.lights.iter().zip(&self.scene.lights)
-    }
-
     /// Far away there are media without boundary alone, where they add up: light must neither grow without end there, nor
     /// come from there.
     fn check_far_away(&self) -> SceneResult<()> {
-        let media = self.media().filter(|(_, body)| body.boundary.is_none());
-        let unbounded: Vec<_> = media.collect();
+        let media = self.media.iter();
+        let unbounded: Vec<_> = media.filter(|(_, body)| body.boundary.is_none()).collect();
         let coefficients = unbounded.iter().map(|(_, body)| &body.medium.coefficients);
         let sigma_a: DVec3 = coefficients.clone().map(Coefficients::sigma_a).sum();
         let sigma_t: DVec3 = coefficients.map(Coefficients::sigma_t).sum();
@@ -53,7 +45,7 @@ impl<'d, 's> Contradictions<'_, 'd, 's> {
         for (reader, body) in unbounded {
             let dark = body.medium.emission.cmple(DVec3::ZERO) | sigma_t.cmpgt(DVec3::ZERO);
             let is_endless = self.scene.scattering == Scattering::Multiple(None);
-            let still = body.medium.coefficients.sigma_s().cmple(DVec3::ZERO);
+            let still = body.sigma_s().cmple(DVec3::ZERO);
             if !dark.all() || is_endless && !(still | sigma_a.cmpgt(DVec3::ZERO)).all() {
                 let message = "a medium that fills all space and emits or scatters without absorbing is infinitely bright";
                 return Err(reader.mistake_here(message, help));
@@ -64,8 +56,8 @@ impl<'d, 's> Contradictions<'_, 'd, 's> {
         }
         let is_far =
             |light: &Light| matches!(light, Light::Directional(it) if it.irradiance != DVec3::ZERO);
-        let far = self.lights().find(|(_, light)| is_far(light));
-        let far = far.map(|(reader, _)| (reader, "directional"));
+        let far = self.lights.iter().find(|(_, light)| is_far(light));
+        let far = far.map(|(reader, _)| (*reader, "directional"));
         let sky = (self.reader, "environment");
         let far = far.or((self.scene.environment != DVec3::ZERO).then_some(sky));
         let Some((reader, key)) = far else {
@@ -111,16 +103,10 @@ impl<'d, 's> Contradictions<'_, 'd, 's> {
             let boundary = body.boundary.as_ref();
             boundary.map_or(f64::INFINITY, |it| length_of(it.bounds().size()))
         };
-        let varying = self
-            .scene
-            .media
-            .iter()
-            .filter(|it| it.homogeneous().is_none());
+        let varies = |body: &Body| body.homogeneous().is_none();
+        let varying = self.scene.media.iter().filter(|body| varies(body));
         let widest = varying.map(across).fold(0.0, f64::max);
-        for (reader, body) in self
-            .media()
-            .filter(|(_, body)| body.homogeneous().is_some())
-        {
+        for (reader, body) in self.media.iter().filter(|(_, body)| !varies(body)) {
             let sigma_t = body.medium.coefficients.sigma_t();
             let spread = sigma_t.max_element() - sigma_t.min_element();
             let depth = spread * across(body).min(widest);
@@ -146,7 +132,7 @@ impl<'d, 's> Contradictions<'_, 'd, 's> {
                 _ => None,
             })
         };
-        for (reader, light) in self.lights() {
+        for (reader, light) in &self.lights {
             let inside = |position| rectangles().any(|rectangle| rectangle.holds(position));
             if light.position().is_some_and(inside) {
                 let message = "the light stands exactly in a rectangle, on neither side of it";
@@ -178,11 +164,8 @@ impl<'d, 's> Contradictions<'_, 'd, 's> {
             return Ok(());
         }
         let mirrors = |object: &Object| !matches!(object.material, Material::Diffuse(_));
-        let Some((reader, _)) = self
-            .lights()
-            .next()
-            .filter(|_| self.scene.objects.iter().any(mirrors))
-        else {
+        let first = self.lights.first();
+        let Some((reader, _)) = first.filter(|_| self.scene.objects.iter().any(mirrors)) else {
             return Ok(());
         };
         let message = "camera paths cannot sample light from a point, spot or directional light that arrives by way of a \

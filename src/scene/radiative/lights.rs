@@ -60,10 +60,8 @@ pub(super) fn read(reader: &Reader) -> SceneResult<Light> {
     }
     if let Some(table) = reader.table("spot")? {
         let spot = SpotTable::read(&table)?;
-        let (axis, angles) = (
-            spot.target - spot.position,
-            [spot.inner_angle, spot.outer_angle],
-        );
+        let axis = spot.target - spot.position;
+        let angles = [spot.inner_angle, spot.outer_angle];
         let spot = Spot::new(spot.position, axis, spot.intensity, angles);
         return table.accepted(spot).map(Light::Spot);
     }

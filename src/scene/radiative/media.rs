@@ -89,11 +89,8 @@ fn substance(
     files: &mut Files,
 ) -> SceneResult<(Coefficients, Option<Field>, Option<Asymmetry>)> {
     let Some(block) = densities::procedural(reader, files)? else {
-        return Ok((
-            coefficients(reader)?,
-            densities::field(reader, files)?,
-            None,
-        ));
+        let coefficients = coefficients(reader)?;
+        return Ok((coefficients, densities::field(reader, files)?, None));
     };
     for reading in &block.readings {
         reader.also("procedural", reading);
@@ -117,7 +114,7 @@ fn check_depth(reader: &Reader, body: &Body) -> SceneResult<()> {
     let sigma_t = body.medium.coefficients.sigma_t().max_element();
     let column = range.high * across;
     let depth = optical_depth(sigma_t, column);
-    let scatters = body.medium.coefficients.sigma_s() != DVec3::ZERO;
+    let scatters = body.sigma_s() != DVec3::ZERO;
     let tracked = range.low < range.high && (scatters || !density.is_integrable());
     let most = if tracked { DEEPEST_TRACKED } else { f64::MAX };
     if column.is_finite() && depth <= most {

@@ -4,11 +4,11 @@ use super::shape_transform::{self, ShapeTransform};
 use crate::geometry::{
     Aabb, Boundary, Luminous, Mesh, Placed, Rectangle, Shape, Sphere, Surface, Transform, length_of,
 };
+use crate::scene::SceneResult;
 use crate::scene::files::Files;
 use crate::scene::format::{Key, Kind, Range, Rule, Table};
 use crate::scene::reader::Reader;
 use crate::scene::record::Record;
-use crate::scene::{SceneError, SceneResult};
 use glam::DVec3;
 use std::fmt::Display;
 use std::sync::Arc;
@@ -110,11 +110,8 @@ pub(in crate::scene) fn shape(
 ) -> SceneResult<Shape> {
     let (key, form) = base_shape(reader, files, solid)?;
     let transform = ShapeTransform::read(reader)?;
-    if let Shape::Box(cuboid) = &form
-        && solid
-        && cuboid.size().cmpeq(DVec3::ZERO).any()
-    {
-        return Err(flat_box(reader, "glass"));
+    if let (Shape::Box(cuboid), true) = (&form, solid) {
+        check_inside(reader, cuboid, "glass")?;
     }
     let shape = match (form, transform.to_world) {
         (form, None) => form,
@@ -152,9 +149,7 @@ pub(super) fn luminous(reader: &Reader, files: &mut Files) -> SceneResult<Lumino
             Luminous::Rectangle(moved(reader, key, rectangle.transformed(to_world))?)
         }
         (Shape::Box(cuboid), transform) => {
-            if cuboid.size().cmpeq(DVec3::ZERO).any() {
-                return Err(flat_box(reader, "a light in the shape of a box"));
-            }
+            check_inside(reader, &cuboid, "a light in the shape of a box")?;
             let mesh = Mesh::cuboid(&cuboid).and_then(|mesh| match transform {
                 Some(to_world) => mesh.transformed(to_world),
                 None => Ok(mesh),
@@ -192,9 +187,7 @@ pub(super) fn space(
     let own_place = if let Some(sphere) = reader.table_as("sphere", read_sphere)? {
         Boundary::Sphere(sphere)
     } else if let Some(cuboid) = reader.table_as("box", read_box)? {
-        if cuboid.size().cmpeq(DVec3::ZERO).any() {
-            return Err(flat_box(reader, "a medium"));
-        }
+        check_inside(reader, &cuboid, "a medium")?;
         Boundary::Box(cuboid)
     } else if let Some(mesh) = reader.table("mesh")? {
         Boundary::Mesh(files.closed_mesh(&mesh)?)
@@ -245,11 +238,15 @@ fn check_size(reader: &Reader, key: &str, bounds: &Aabb) -> SceneResult<()> {
     Err(reader.mistake(key, message, "choose another unit of length"))
 }
 
-fn flat_box(reader: &Reader, what: &str) -> Box<SceneError> {
+/// Refuses a box without an inside, which `what` needs.
+fn check_inside(reader: &Reader, cuboid: &Aabb, what: &str) -> SceneResult<()> {
+    if cuboid.size().cmpne(DVec3::ZERO).all() {
+        return Ok(());
+    }
     let message = format!("the box is flat: it has no inside, as {what} needs");
     let help =
         "give `max` larger coordinates than `min` on every axis; a flat surface is a `rectangle`";
-    reader.mistake("box", message, help)
+    Err(reader.mistake("box", message, help))
 }
 
 /// What a transform made of the shape at `key`, or the mistake in it.

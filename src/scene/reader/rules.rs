@@ -62,14 +62,10 @@ impl Reader<'_, '_> {
 
     /// Keys as a list in words; those that are headings of the file as such.
     fn named(&self, keys: &[&str]) -> String {
-        let named = keys.iter().map(|key| self.named_key(key));
-        named.collect::<Vec<_>>().join(", ")
-    }
-
-    fn named_key(&self, key: &str) -> String {
-        match self.declared(key).kind {
+        let named = keys.iter().map(|key| match self.declared(key).kind {
             Kind::Table(_) if self.path.is_empty() => format!("[{key}]"),
             _ => format!("`{key}`"),
-        }
+        });
+        named.collect::<Vec<_>>().join(", ")
     }
 }

@@ -92,13 +92,10 @@ impl Value for u32 {
 impl<T: Value + Copy + Default, const N: usize> Value for [T; N] {
     fn read(reader: &Reader, name: &str, value: &Spanned<DeValue>) -> SceneResult<[T; N]> {
         let items: Option<&[_; N]> = array(value).and_then(|items| items.try_into().ok());
+        let items = items.ok_or_else(|| reader.wrong_form(name))?;
         let mut read = [T::default(); N];
-        for (at, item) in items
-            .ok_or_else(|| reader.wrong_form(name))?
-            .iter()
-            .enumerate()
-        {
-            read[at] = T::read(reader, name, item)?;
+        for (read, item) in read.iter_mut().zip(items) {
+            *read = T::read(reader, name, item)?;
         }
         Ok(read)
     }
@@ -221,10 +218,7 @@ impl<'d, 's> Reader<'d, 's> {
         name: &str,
         derived: impl FnOnce() -> DVec3,
     ) -> SceneResult<DVec3> {
-        if let Some(vector) = self.optional(name)? {
-            return Ok(vector);
-        }
-        let vector = derived();
+        let vector = self.optional(name)?.unwrap_or_else(derived);
         self.resolved(name, vector);
         Ok(vector)
     }

@@ -1,4 +1,4 @@
-//! Numbers of classified volumes.
+//! Parameters of classified volumes.
 
 use super::{AXES, Number, along};
 use crate::geometry::{InvalidParameter, Transform};
@@ -20,7 +20,7 @@ const REFLECTIONS: [(&str, &str, Strength); 3] = [
     }),
 ];
 
-/// Numbers of a volume; `scene` is that of the first panel.
+/// Parameters of a volume; `scene` is that of the first panel.
 pub(super) fn numbers(scene: &Classified) -> Vec<Number> {
     let mut numbers = Vec::new();
     let of = |name, words, step, edit: fn(&mut Classified, f64)| {
@@ -28,14 +28,10 @@ pub(super) fn numbers(scene: &Classified) -> Vec<Number> {
     };
     // Only composited samples have an opacity over a length.
     if scene.mode == Mode::Composited {
-        numbers.push(of(
-            "density",
-            "extinction of the volume",
-            0.02,
-            |scene, change| {
-                scene.transfer_function.reference_length /= 1.0 + change;
-            },
-        ));
+        let words = "extinction of the volume";
+        numbers.push(of("density", words, 0.02, |scene, change| {
+            scene.transfer_function.reference_length /= 1.0 + change;
+        }));
     }
     for (name, words, strength) in REFLECTIONS {
         // Nothing is larger or smaller by a share of 0.
@@ -49,48 +45,32 @@ pub(super) fn numbers(scene: &Classified) -> Vec<Number> {
         }
     }
     if scene.shadow.is_some() {
-        numbers.push(of(
-            "shadow",
-            "extinction towards the light",
-            0.02,
-            |scene, change| {
-                let shadow = scene.shadow.iter_mut();
-                shadow.for_each(|it| it.reference_step /= 1.0 + change);
-            },
-        ));
+        let words = "extinction towards the light";
+        numbers.push(of("shadow", words, 0.02, |scene, change| {
+            let shadow = scene.shadow.iter_mut();
+            shadow.for_each(|it| it.reference_step /= 1.0 + change);
+        }));
     }
     if scene.background != DVec3::ZERO {
-        let number = of(
-            "background",
-            "radiance of the background",
-            0.5,
-            |scene, change| {
-                scene.background *= 1.0 + change;
-            },
-        );
+        let words = "radiance of the background";
+        let number = of("background", words, 0.5, |scene, change| {
+            scene.background *= 1.0 + change;
+        });
         numbers.push(number.linear());
     }
     if attenuation(&mut scene.mode.clone()).is_some_and(|it| *it != 0.0) {
-        numbers.push(of(
-            "attenuation",
-            "attenuation by the values before",
-            0.02,
-            |scene, change| {
-                let of = attenuation(&mut scene.mode).into_iter();
-                of.for_each(|attenuation| *attenuation *= 1.0 + change);
-            },
-        ));
+        let words = "attenuation by the values before";
+        numbers.push(of("attenuation", words, 0.02, |scene, change| {
+            let of = attenuation(&mut scene.mode).into_iter();
+            of.for_each(|attenuation| *attenuation *= 1.0 + change);
+        }));
     }
     // Samples of another step lie elsewhere: only what is an integral has no step.
     if !scene.continuous {
-        numbers.push(of(
-            "step",
-            "distance between samples",
-            0.01,
-            |scene, change| {
-                scene.step *= 1.0 + change;
-            },
-        ));
+        let words = "distance between samples";
+        numbers.push(of("step", words, 0.01, |scene, change| {
+            scene.step *= 1.0 + change;
+        }));
     }
     numbers.extend(place(scene));
     if scene.to_world.is_some() {
@@ -109,13 +89,13 @@ pub(super) fn numbers(scene: &Classified) -> Vec<Number> {
     numbers
 }
 
-/// Numbers of what all volumes of a scene share.
+/// Parameters of what all volumes of a scene share.
 pub(super) fn shared(scene: &Classified) -> Vec<Number> {
     let numbers = numbers(scene).into_iter();
     numbers.filter(is_of_all).collect()
 }
 
-/// Numbers of a volume that others do not share.
+/// Parameters of a volume that others do not share.
 pub(super) fn own(scene: &Classified) -> Vec<Number> {
     let own = numbers(scene)
         .into_iter()
@@ -180,11 +160,11 @@ fn placed(
 
 /// The attenuation of a projection that has one.
 fn attenuation(mode: &mut Mode) -> Option<&mut f64> {
-    match mode {
-        Mode::Projection(projection) => match &mut projection.of {
-            Projected::AttenuatedMaximum(attenuation) => Some(attenuation),
-            _ => None,
-        },
+    let Mode::Projection(projection) = mode else {
+        return None;
+    };
+    match &mut projection.of {
+        Projected::AttenuatedMaximum(attenuation) => Some(attenuation),
         _ => None,
     }
 }

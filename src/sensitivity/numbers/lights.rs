@@ -1,4 +1,4 @@
-//! Numbers of lights: area lights (`lamp`), point, spot and directional lights (`light`), and the
+//! Parameters of lights: area lights (`lamp`), point, spot and directional lights (`light`), and the
 //! environment.
 
 use super::{Number, along, of_each};
@@ -18,7 +18,7 @@ const TILTS: [[&str; 3]; 2] = [
 /// A place moves by this part of its distance from the eye.
 const PART_OF_DISTANCE: f64 = 0.01;
 
-/// Numbers of every light.
+/// Parameters of every light.
 pub(super) fn numbers(scene: &Radiative) -> Vec<Number> {
     let lamps = of_each(scene.area_lights.len(), |at| of_area_light(scene, at));
     let lights = of_each(scene.lights.len(), |at| of_light(scene, at));
@@ -34,7 +34,7 @@ pub(super) fn numbers(scene: &Radiative) -> Vec<Number> {
     numbers
 }
 
-/// Numbers of the area light `at`.
+/// Parameters of the area light `at`.
 fn of_area_light(scene: &Radiative, at: usize) -> Vec<Number> {
     let bounds = scene.area_lights[at].shape.bounds();
     let step = PART_OF_DISTANCE * (bounds.centre() - scene.camera.eye).length();
@@ -66,7 +66,7 @@ fn of_area_light(scene: &Radiative, at: usize) -> Vec<Number> {
     numbers
 }
 
-/// Numbers of the light `at`, which has no extent.
+/// Parameters of the light `at`, which has no extent.
 fn of_light(scene: &Radiative, at: usize) -> Vec<Number> {
     let light = &scene.lights[at];
     let strength = ["light", "strength of the light", "light"];

@@ -1,4 +1,4 @@
-//! Numbers of participating media.
+//! Parameters of participating media.
 
 use super::{Number, along, of_each};
 use crate::geometry::{Boundary, Surface, Transform};
@@ -6,7 +6,7 @@ use crate::optics::{Asymmetry, Coefficients};
 use crate::scene::{Body, Radiative};
 use glam::DVec3;
 
-/// Numbers of every medium alone, and before them those of all media together where there are several.
+/// Parameters of every medium alone, and before them those of all media together where there are several.
 pub(super) fn numbers(scene: &Radiative) -> Vec<Number> {
     let count = scene.media.len();
     let mut numbers = Vec::new();
@@ -21,44 +21,42 @@ pub(super) fn numbers(scene: &Radiative) -> Vec<Number> {
     numbers
 }
 
-/// Numbers of the coefficients, phase function and emission of the medium `at`, or of all.
+/// Parameters of the coefficients, phase function and emission of the medium `at`, or of all.
 fn of_matter(scene: &Radiative, at: Option<usize>) -> Vec<Number> {
     let bodies: Vec<&Body> = match at {
         Some(at) => vec![&scene.media[at]],
         None => scene.media.iter().collect(),
     };
     let number = |name, words, step, edit: fn(&mut Body, f64) -> Option<()>| {
-        Number::radiative(
-            [name, words, "medium"],
-            step,
-            move |scene, change| match at {
-                Some(at) => edit(scene.media.get_mut(at)?, change),
-                None => {
-                    let mut bodies = scene.media.iter_mut();
-                    bodies.try_for_each(|body| edit(body, change))
-                }
-            },
-        )
+        let names = [name, words, "medium"];
+        Number::radiative(names, step, move |scene, change| match at {
+            Some(at) => edit(scene.media.get_mut(at)?, change),
+            None => {
+                let mut bodies = scene.media.iter_mut();
+                bodies.try_for_each(|body| edit(body, change))
+            }
+        })
     };
     let any = |has: fn(&Body) -> bool| bodies.iter().any(|body| has(body));
     let mut numbers = Vec::new();
-    let absorbs = any(|body| sigma_a(body) != DVec3::ZERO);
-    let scatters = any(|body| sigma_s(body) != DVec3::ZERO);
+    let absorbs = any(|body| body.sigma_a() != DVec3::ZERO);
+    let scatters = any(|body| body.sigma_s() != DVec3::ZERO);
     if absorbs || scatters {
         numbers.push(number("density", "density", 0.1, |body, change| {
-            body.make_denser(1.0 + change)
+            body.medium = body.at_density(1.0 + change)?;
+            Some(())
         }));
     }
     if absorbs && scatters {
         numbers.push(number("sigma_a", "sigma_a", 0.1, |body, change| {
-            coefficients(body, sigma_a(body) * (1.0 + change), sigma_s(body))
+            coefficients(body, body.sigma_a() * (1.0 + change), body.sigma_s())
         }));
         numbers.push(number("sigma_s", "sigma_s", 0.1, |body, change| {
-            coefficients(body, sigma_a(body), sigma_s(body) * (1.0 + change))
+            coefficients(body, body.sigma_a(), body.sigma_s() * (1.0 + change))
         }));
     } else if scatters {
         let albedo = number("albedo", "albedo", 0.05, |body, change| {
-            let (sigma_a, sigma_s) = (sigma_a(body), sigma_s(body));
+            let (sigma_a, sigma_s) = (body.sigma_a(), body.sigma_s());
             let moved = (sigma_a + sigma_s) * change;
             coefficients(body, sigma_a - moved, sigma_s + moved)
         });
@@ -86,10 +84,12 @@ fn of_matter(scene: &Radiative, at: Option<usize>) -> Vec<Number> {
     numbers
 }
 
-/// Numbers of the boundary of `body`, the medium `at`; none where it has a density, which has a
+/// Parameters of the boundary of `body`, the medium `at`, a sphere or a box; none where it has a density, which has a
 /// transform of its own.
 fn of_boundary(body: &Body, at: usize) -> Vec<Number> {
-    let Some(boundary) = body.boundary.as_ref().filter(|_| is_movable(body)) else {
+    let is_mesh = |it: &Boundary| matches!(it, Boundary::Mesh(_) | Boundary::PlacedMesh(_));
+    let boundary = body.boundary.as_ref().filter(|it| !is_mesh(it));
+    let Some(boundary) = boundary.filter(|_| body.density.is_none()) else {
         return Vec::new();
     };
     let (size, centre) = (boundary.bounds().size(), boundary.bounds().centre());
@@ -105,44 +105,19 @@ fn of_boundary(body: &Body, at: usize) -> Vec<Number> {
     let mut numbers: Vec<Number> = places.collect();
     if !matches!(boundary, Boundary::Sphere(_)) {
         let words = "angle about the vertical axis of the medium";
-        let turn = Number::radiative(
-            ["medium.turn", words, "medium"],
-            2.0,
-            move |scene, change| {
-                let turn = Transform::rotation(DVec3::Y, change).ok()?;
-                moved(scene, at, turn.about(centre).ok()?)
-            },
-        );
+        let names = ["medium.turn", words, "medium"];
+        let turn = Number::radiative(names, 2.0, move |scene, change| {
+            let turn = Transform::rotation(DVec3::Y, change).ok()?;
+            moved(scene, at, turn.about(centre).ok()?)
+        });
         numbers.push(turn.per("degrees"));
     }
     numbers
 }
 
-fn sigma_a(body: &Body) -> DVec3 {
-    body.medium.coefficients.sigma_a()
-}
-
-fn sigma_s(body: &Body) -> DVec3 {
-    body.medium.coefficients.sigma_s()
-}
-
 fn coefficients(body: &mut Body, sigma_a: DVec3, sigma_s: DVec3) -> Option<()> {
     body.medium.coefficients = Coefficients::new(sigma_a, sigma_s).ok()?;
     Some(())
-}
-
-/// A sphere or a box without a density of its own.
-fn is_movable(body: &Body) -> bool {
-    body.density.is_none()
-        && matches!(
-            body.boundary,
-            Some(
-                Boundary::Sphere(_)
-                    | Boundary::Box(_)
-                    | Boundary::PlacedSphere(_)
-                    | Boundary::PlacedBox(_)
-            )
-        )
 }
 
 fn moved(scene: &mut Radiative, at: usize, by: Transform) -> Option<()> {

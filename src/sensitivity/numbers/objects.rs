@@ -1,4 +1,4 @@
-//! Numbers of several volumes, surfaces and clips.
+//! Parameters of several volumes, surfaces and clips.
 
 use super::classified;
 use super::{Number, of_each};
@@ -7,7 +7,7 @@ use crate::scene::{Classified, Kept, Model};
 /// Largest share of the box around all that an offset of a clip may be.
 const OFFSET_STEP: f64 = 2e-3;
 
-/// Numbers of each volume, surface and clip plane, and of what they share.
+/// Parameters of each volume, surface and clip plane, and of what they share.
 pub(super) fn numbers(scene: &Classified) -> Vec<Number> {
     let of_volume = |index: usize| {
         let alone = scene.alone(index);
@@ -29,26 +29,23 @@ pub(super) fn numbers(scene: &Classified) -> Vec<Number> {
     numbers
 }
 
-/// Numbers of each clip plane.
+/// Parameters of each clip plane.
 pub(super) fn clips(scene: &Classified) -> impl Iterator<Item = Number> {
     let clips = &scene.objects.clips;
     let step = OFFSET_STEP * scene.diagonal();
     of_each(clips.len(), move |index| {
         let words = "place of the plane along its normal of the clip";
-        let offset = Number::new(
-            ["clip.offset", words, "clip"],
-            step,
-            move |panel, change| {
-                if let Model::Classified(scene) = &mut panel.model
-                    && let Some(clip) = scene.objects.clips.get_mut(index)
-                    && let Kept::Side { point, normal } = &mut clip.kept
-                {
-                    *point += **normal * change;
-                    return scene.is_something_left().then_some(());
-                }
-                Some(())
-            },
-        );
+        let names = ["clip.offset", words, "clip"];
+        let offset = Number::new(names, step, move |panel, change| {
+            if let Model::Classified(scene) = &mut panel.model
+                && let Some(clip) = scene.objects.clips.get_mut(index)
+                && let Kept::Side { point, normal } = &mut clip.kept
+            {
+                *point += **normal * change;
+                return scene.is_something_left().then_some(());
+            }
+            Some(())
+        });
         // A box has no normal.
         let is_plane = matches!(clips[index].kept, Kept::Side { .. });
         let offset = is_plane.then_some(offset.per("world units"));

@@ -1,4 +1,4 @@
-//! Numbers of surfaces that reflect or refract.
+//! Parameters of surfaces that reflect or refract.
 
 use super::Number;
 use crate::optics::Material;
@@ -8,7 +8,7 @@ use glam::DVec3;
 const SURFACE: &str = "diffuse surface";
 const REFLECTANCE: [&str; 3] = ["reflectance", "reflectance", SURFACE];
 
-/// Changes a material, where that has the number; nothing where the changed number has no meaning.
+/// Changes a material, where that has the parameter; nothing where the changed parameter has no meaning.
 type Edit = fn(&mut Material, f64) -> Option<()>;
 
 /// Reflectance of all diffuse surfaces, and of each by itself; of mirrors; the index of glass.

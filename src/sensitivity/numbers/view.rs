@@ -1,4 +1,4 @@
-//! Numbers of the camera.
+//! Parameters of the camera.
 
 use super::{Number, along};
 use crate::geometry::Camera;
@@ -9,7 +9,7 @@ use glam::DVec3;
 /// Step of a shift: what half a pixel moves over an edge is as much as a pixel shows of it.
 const PIXELS: f64 = 0.5;
 
-/// Numbers of the first camera; the cameras of other panels are changed alike.
+/// Parameters of the first camera; the cameras of other panels are changed alike.
 pub(super) fn numbers(scene: &Scene) -> Vec<Number> {
     let mut cameras = scene.panels.iter().filter_map(|panel| panel.model.camera());
     let Some(camera) = cameras.next() else {

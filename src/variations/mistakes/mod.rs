@@ -3,7 +3,7 @@
 //! Each is a small edit of the scene or of the image, with advice for its author. The renderer
 //! itself never changes: mistakes in the transport of light are made by a [double](crate::faulty_tracer).
 //! The catalogue has two uses: the self-test (`volref selftest`) proves that the suite rejects every
-//! mistake, and failing images are [compared with it](crate::naming::likeness) to name the mistake.
+//! mistake, and failing images are [compared with it](crate::naming::diagnosis) to name the mistake.
 
 /// Rows of the catalogue: the name of a mistake, its edit by kind, and its advice.
 macro_rules! mistakes {

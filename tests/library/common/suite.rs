@@ -4,7 +4,7 @@ use std::path::Path;
 use volref::compare::Picture;
 use volref::film::Film;
 use volref::judging::{CaseResult, Judged, validate};
-use volref::naming::{Predictions, Search, likeness};
+use volref::naming::{Predictions, Search, diagnosis};
 use volref::render::{Sampling, Seed, plans, render};
 use volref::scene::Scene;
 use volref::suite::{Case, Output, Suite};
@@ -64,7 +64,7 @@ pub fn searched(case: &Case, film: Film) -> CaseResult {
         interrupted: &|| false,
         progress: &|_| (),
     };
-    likeness(&[case], None, &mut judged, &search);
+    diagnosis(&[case], None, &mut judged, &search);
     let [judged] = judged;
     judged.result
 }

@@ -25,7 +25,7 @@ use volref::film::Film;
 use volref::geometry::Camera;
 use volref::judging::{CaseResult, Judged, Verdict, validate};
 use volref::math;
-use volref::naming::{ConventionSearch, Predictions, Search, likeness};
+use volref::naming::{ConventionSearch, Predictions, Search, diagnosis};
 use volref::scene::{Model, Scattering, Scene};
 use volref::sensitivity::number;
 use volref::suite::{Case, Output, Suite};
@@ -199,7 +199,7 @@ fn verdict(
         let search = ConventionSearch::default();
         search.explain_mismatch(case, &suite.store(), &mut judged[0], seconds, false);
     }
-    likeness(&[case], None, &mut judged, search);
+    diagnosis(&[case], None, &mut judged, search);
     judge(fault, &scene, &judged[0].result)
 }
 
@@ -286,7 +286,7 @@ fn a_limit_of_a_search_counts_work_and_not_time() {
         let mut judged = [validated(&suite, case, rendered(&scene, 4))];
         let predictions = Predictions::default();
         let search = uninterrupted(Some(Duration::from_millis(300)), &predictions);
-        let found = likeness(&[case], None, &mut judged, &search);
+        let found = diagnosis(&[case], None, &mut judged, &search);
         let [judged] = judged;
         let (looks_like, difference) = (judged.result.looks_like, judged.result.difference);
         (found.unfinished, found.likely, looks_like, difference)
@@ -443,7 +443,7 @@ fn result_of_mistake(
     if judged[0].result.verdict != Verdict::Fail {
         return None;
     }
-    likeness(&[case], None, &mut judged, search);
+    diagnosis(&[case], None, &mut judged, search);
     let [judged] = judged;
     Some(judged.result)
 }
@@ -510,7 +510,7 @@ fn far_changes_agree() {
     ] {
         let case = case_of(&suite, case);
         let mut judged = [judged_with_number(&suite, case, name, change)];
-        likeness(&[case], None, &mut judged, &search);
+        diagnosis(&[case], None, &mut judged, &search);
         let said = judged[0].result.difference.join("; ");
         println!("{name} {change}: {said}");
         assert!(

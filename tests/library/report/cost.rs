@@ -44,8 +44,7 @@ fn sweep(name: &'static str, floor: f64) -> Sweep {
         time: Some(times(128e-9 / value)),
     };
     let levels: Vec<Level> = [1.0, 0.5, 0.25, 0.125].map(level).into();
-    let values: Vec<f64> = levels.iter().map(|level| level.value).collect();
-    let errors: Vec<Norms> = levels.iter().map(|level| level.error).collect();
+    let points = levels.iter().map(|level| (level.value, level.error));
     Sweep {
         name,
         parameter: Parameter::Step,
@@ -55,7 +54,7 @@ fn sweep(name: &'static str, floor: f64) -> Sweep {
             method: "the same image with steps of 0.0078125 voxels".to_owned(),
             bound: 1e-5,
         },
-        order: order(&values, &errors, ExpectedOrder::of_step(2.0), 1e-5),
+        order: order(points.collect(), ExpectedOrder::of_step(2.0), 1e-5),
         levels,
         cut: None,
     }
@@ -95,7 +94,7 @@ pub fn extremes() -> Cost {
     odd.levels[2].work = MeanWork::default();
     let mut empty = sweep("samples", 0.0);
     empty.levels.clear();
-    empty.order = order(&[], &[], ExpectedOrder::OF_SAMPLES, 0.0);
+    empty.order = order(Vec::new(), ExpectedOrder::OF_SAMPLES, 0.0);
     Cost {
         scene: "nowhere".to_owned(),
         sweeps: vec![odd, empty],

@@ -5,8 +5,8 @@ use std::sync::OnceLock;
 use volref::compare::flip::SrgbImage;
 use volref::compare::{Conditions, Gate, Picture, judge};
 use volref::film::Film;
-use volref::judging::{CaseResult, Cause, Evidence, Likeness, Verdict};
-use volref::naming::Likenesses;
+use volref::judging::{CaseResult, Cause, Evidence, LikelyMistake, Verdict};
+use volref::naming::Diagnosis;
 use volref::report::{Page, results_html};
 use volref::suite::Case;
 
@@ -15,7 +15,7 @@ use volref::suite::Case;
 pub struct Sample {
     pub results: Vec<CaseResult>,
     pub evidence: Vec<Evidence>,
-    pub found: Likenesses,
+    pub found: Diagnosis,
 }
 
 impl Sample {
@@ -244,14 +244,14 @@ fn made_suite() -> Sample {
         }
     }
     sample.found.likely = vec![
-        Likeness {
+        LikelyMistake {
             mistake: "g negated".to_owned(),
             advice: "the phase function has forward and backward exchanged: check the sign convention of your direction vectors".to_owned(),
             explains: 1,
             of: 6,
             cases: Vec::new(),
         },
-        Likeness {
+        LikelyMistake {
             mistake: "no opacity correction".to_owned(),
             advice: "opacities of the table are meant over the reference length: correct them for the length of your step".to_owned(),
             explains: 1,
@@ -294,7 +294,7 @@ pub fn hostile() -> Sample {
     result.reason = text();
     result.looks_like = vec![text()];
     result.metrics.insert(text(), 1.0);
-    sample.found.likely = vec![Likeness {
+    sample.found.likely = vec![LikelyMistake {
         mistake: text(),
         advice: text(),
         explains: 1,

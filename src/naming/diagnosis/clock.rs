@@ -51,7 +51,7 @@ pub enum Stage {
 }
 
 impl Stage {
-    /// Plural name.
+    /// Its name for a line of progress, in the plural.
     pub fn name(self) -> &'static str {
         match self {
             Stage::Profiles => "profiles",
@@ -61,18 +61,18 @@ impl Stage {
     }
 }
 
-/// Work that is done in a second on two cores, in [events](crate::render::Event) of kernels, for which limits in
-/// seconds stand.
+/// Work for which a second of a limit stands, in [events](crate::render::Event) of kernels: about what two cores do in a
+/// second.
 const WORK_PER_SECOND: f64 = 1e8;
 
-/// Longest time of a search, in those seconds: work is counted, so that a verdict depends on no machine's load, but
-/// nobody waits forever.
+/// Longest time of a search, in multiples of its limit. Work is counted, so that no verdict depends on a machine's load;
+/// but nobody waits forever.
 const SLOWEST: u32 = 6;
 
-/// Shortest such time: a moment's work may take longer beside other programs.
+/// Shortest such time: beside other programs even a little work takes a while.
 const MOMENT: Duration = Duration::from_secs(30);
 
-/// The work of one case.
+/// Counts the work of the search in one case, and says when the search is to end.
 pub(in crate::naming) struct SearchClock<'s> {
     search: &'s Search<'s>,
     work: AtomicU64,
@@ -92,7 +92,7 @@ impl<'s> SearchClock<'s> {
         let limits = |budget: Duration| {
             let all = (WORK_PER_SECOND * budget.as_secs_f64()) as u64;
             let left = all.saturating_sub(spent);
-            [1.0, FIRST_LOOKS].map(|share| spent + (share * left as f64) as u64)
+            [1.0, FIRST_LOOKS].map(|share| spent.saturating_add((share * left as f64) as u64))
         };
         SearchClock {
             search,
@@ -141,10 +141,8 @@ impl<'s> SearchClock<'s> {
     }
 
     fn is_beyond(&self, limit: usize) -> bool {
-        self.ended_if(
-            self.limits
-                .is_some_and(|limits| self.work() >= limits[limit]),
-        )
+        let is_beyond = |limits: [u64; 2]| self.work() >= limits[limit];
+        self.ended_if(self.limits.is_some_and(is_beyond))
     }
 
     fn ended_if(&self, is: bool) -> bool {
@@ -171,4 +169,21 @@ impl<'s> SearchClock<'s> {
 fn latest_end(search: &Search<'_>) -> Option<Instant> {
     let longest = search.budget?.checked_mul(SLOWEST)?.max(MOMENT);
     Instant::now().checked_add(longest)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_limit_beyond_all_numbers_ends_no_search() {
+        let search = Search {
+            budget: Some(Duration::from_secs(1 << 40)),
+            predictions: &Predictions::default(),
+            interrupted: &|| false,
+            progress: &|_| (),
+        };
+        let clock = SearchClock::start(&search, "case", 5);
+        assert!(!clock.is_over() && !clock.is_late());
+    }
 }

@@ -2,7 +2,7 @@
 
 use crate::compare::unexplained::SquaredDistance;
 use crate::variations::mistakes::{self, Mistake};
-use std::sync::OnceLock;
+use std::sync::LazyLock;
 
 /// One mistake, or two, the first made before the second; by their places in the catalogue.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -22,15 +22,13 @@ const USUAL_PAIRS: [[&str; 2]; 4] = [
     ["interpolation-nearest", "grid-half-voxel-back"],
 ];
 
-fn catalogue() -> &'static [&'static Mistake] {
-    static CATALOGUE: OnceLock<Vec<&'static Mistake>> = OnceLock::new();
-    CATALOGUE.get_or_init(|| mistakes::catalogue().collect())
-}
+static CATALOGUE: LazyLock<Vec<&'static Mistake>> =
+    LazyLock::new(|| mistakes::catalogue().collect());
 
 impl Hypothesis {
     /// Each mistake for which `is` holds, by itself.
     pub fn singles(is: impl Fn(&Mistake) -> bool) -> Vec<Hypothesis> {
-        let all = catalogue().iter().enumerate();
+        let all = CATALOGUE.iter().enumerate();
         let wanted = all.filter(|(_, mistake)| is(mistake));
         let single = |(first, _)| Hypothesis {
             first,
@@ -39,9 +37,9 @@ impl Hypothesis {
         wanted.map(single).collect()
     }
 
-    /// The usual pairs.
+    /// The [usual pairs](USUAL_PAIRS) of mistakes.
     pub fn pairs() -> Vec<Hypothesis> {
-        let place = |name: &str| catalogue().iter().position(|mistake| mistake.name == name);
+        let place = |name: &str| CATALOGUE.iter().position(|mistake| mistake.name == name);
         let pairs = USUAL_PAIRS.iter().filter_map(|[first, second]| {
             Some(Hypothesis {
                 first: place(first)?,
@@ -53,7 +51,7 @@ impl Hypothesis {
 
     pub fn mistakes(&self) -> impl Iterator<Item = &'static Mistake> + Clone {
         let places = std::iter::once(self.first).chain(self.second);
-        places.map(|place| catalogue()[place])
+        places.map(|place| CATALOGUE[place])
     }
 
     /// True if nothing has to be rendered.

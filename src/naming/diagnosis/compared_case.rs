@@ -2,13 +2,14 @@
 
 use super::clock::{SearchClock, Stage};
 use super::hypothesis::{Explaining, Hypothesis};
-use super::predictor::{Look, Predictor, pixels_of};
+use super::predictor::{Predictor, pixels_of};
 use crate::compare::coarse::Coarse;
-use crate::compare::deterministic::in_tolerances;
+use crate::compare::deterministic::outliers;
 use crate::compare::unexplained::{
     MOST_IN_NOISE, SquaredDistance, UNEXPLAINED, UNEXPLAINED_IN_NOISE, makes_what_shows,
 };
-use crate::compare::{Conditions, Gate, NumberChange, Picture, default_gate, judge, measured};
+use crate::compare::{Conditions, Gate, NumberChange, Picture, measured, passes};
+use crate::conventions::Profile;
 use crate::film::{Film, Quantisation};
 use crate::judging::Judged;
 use crate::judging::measured::gain;
@@ -17,9 +18,10 @@ use crate::math;
 use crate::scene::Scene;
 use crate::suite::Case;
 use crate::variations::edited_film::mapped;
+use crate::variations::mistakes::Mistake;
 
-/// Largest share of the squared difference that a prediction leaves which passes for the image: codes of 8 bits round a
-/// small difference, and a gate allows what is smaller than its tolerance.
+/// Largest share of the squared difference that a prediction may leave which passes for the image. Codes of 8 bits round
+/// small differences, and a gate allows what is below its tolerance: passing alone explains nothing.
 const OF_ROUNDING: f64 = 0.5;
 
 /// The same on a lattice. Its share is an estimate from 2000 pixels or more: one that is half the
@@ -32,8 +34,8 @@ const SURVIVORS: [usize; 2] = [16, 8];
 /// Work of an edit and a comparison of one pixel, in [events](crate::render::Event).
 const EVENTS_OF_AN_EDIT: usize = 8;
 
-/// The part of the largest score from which a parameter is suspected: far from the golden, where
-/// derivatives do not hold, another may have a larger score than the one that is off.
+/// Share of the largest score from which a parameter is suspected. Far from the golden derivatives do not hold, and
+/// another parameter may have a larger score than the one that is off.
 const SUSPICIOUS: f64 = 0.5;
 
 /// Seed of the renderings that decide, none of those that were fitted.
@@ -76,7 +78,7 @@ impl View {
     }
 }
 
-/// A failed case.
+/// A failed case: its golden and its image in the pixels and the values in which a search compares them.
 pub(super) struct ComparedCase {
     /// Index of the case among the results.
     pub index: usize,
@@ -110,13 +112,13 @@ pub(super) struct ComparedCase {
 }
 
 impl ComparedCase {
-    /// The case of a failed image; `None` where the image cannot be compared, or the scene cannot
-    /// be read.
+    /// The case of a failed image, whose scene follows `profile`; `None` where the image cannot be compared, or the scene
+    /// cannot be read.
     pub fn new(
         index: usize,
         case: &Case,
         judged: &Judged,
-        scenes: &dyn Fn(&Case) -> Option<Scene>,
+        profile: Option<&Profile>,
     ) -> Option<ComparedCase> {
         let golden = judged.evidence.golden.clone()?;
         let picture = judged.evidence.test.clone()?;
@@ -139,7 +141,9 @@ impl ComparedCase {
         if !golden.is_comparable(&test) {
             return None;
         }
-        let predictor = Predictor::new(&case.name, scenes(case)?, is_sampled);
+        let scene = case.load_scene().ok()?;
+        let under = profile.and_then(|profile| profile.applied_to(&scene).ok().flatten());
+        let predictor = Predictor::new(&case.name, under.unwrap_or(scene), is_sampled);
         let films = [&kept.film(&golden), &test];
         let of_pixels = || films.map(Coarse::of_pixels);
         let [few_golden, few_test] = if is_sampled {
@@ -216,7 +220,8 @@ impl ComparedCase {
         })
     }
 
-    /// True if no more than this is left of the difference beyond doubt, so that noise leaves no other cause possible.
+    /// True if a hypothesis that leaves this of the difference explains all of it beyond doubt: noise leaves no other cause
+    /// possible.
     pub fn is_all_beyond_doubt(&self, left: &SquaredDistance) -> bool {
         let whole = &self.few.whole;
         !self.is_sampled
@@ -243,9 +248,8 @@ impl ComparedCase {
         Some(self.passes(&film, &left))
     }
 
-    /// True if `film`, which leaves this, passes for the image by the gate of the case: what is rendered in a search may go
-    /// either way at an edge. An image with steps is judged by what they leave at most, which of a prediction nobody
-    /// knows.
+    /// True if `film`, which leaves this, passes for the image by the gate of the case. An image with steps is judged by the
+    /// difference that is left: nobody knows what steps change in a prediction.
     fn passes(&self, film: &Film, left: &SquaredDistance) -> bool {
         if self.has_step {
             return left.value <= UNEXPLAINED * self.few.whole.value;
@@ -261,22 +265,11 @@ impl ComparedCase {
             opacity: self.is_of_opacity,
             ..Conditions::default()
         };
-        let (gate, _) = default_gate(&film, &self.picture);
-        judge(gate, &film, &self.picture, &conditions).is_ok_and(|judgement| judgement.passed)
+        passes(&film, &self.picture, &conditions)
     }
 
-    fn predict(
-        &self,
-        hypothesis: &Hypothesis,
-        look: Look,
-        clock: &SearchClock<'_>,
-    ) -> Option<Film> {
-        self.predictor
-            .predict(&self.golden, hypothesis, look, clock)
-    }
-
-    /// What `film`, a prediction, leaves of the difference, if it explains the image; `mixes_pixels` of a mistake that is
-    /// made in the image, and not in each pixel by itself.
+    /// What the prediction `film` leaves of the difference, if it explains the image. `mixes_pixels` is true of a mistake
+    /// in the image that mixes pixels with their neighbours.
     fn explained_by(&self, film: &Film, mixes_pixels: bool) -> Option<SquaredDistance> {
         if self.is_of_opacity {
             return self
@@ -314,14 +307,10 @@ impl ComparedCase {
         (is_nearer && is_shown && self.passes(film, &left)).then_some(left)
     }
 
-    /// Mistakes that may explain the image.
-    fn suspected(&self) -> Vec<Hypothesis> {
-        Hypothesis::singles(|mistake| mistake.is_of_opacity() == self.is_of_opacity)
-    }
-
     /// The mistakes that explain the image, nearest first; the usual pairs, where none does by itself.
     pub fn search(&self, clock: &SearchClock<'_>) -> Found {
-        let singles = self.suspected();
+        let is_suspected = |mistake: &Mistake| mistake.is_of_opacity() == self.is_of_opacity;
+        let singles = Hypothesis::singles(is_suspected);
         clock.report(Stage::Singles, 0, singles.len());
         let found = self.search_among(singles, true, clock);
         if !found.explaining.is_empty() || self.is_of_opacity {
@@ -357,7 +346,10 @@ impl ComparedCase {
                 if level == 0 && clock.is_late() {
                     break;
                 }
-                if let Some(film) = self.predict(&hypothesis, look, clock) {
+                let film = self
+                    .predictor
+                    .predict(&self.golden, &hypothesis, look, clock);
+                if let Some(film) = film {
                     if is_of_the_image || level + 1 == looks.len() {
                         found.add(self, hypothesis, &film);
                     } else if let Some(remoteness) = self.remoteness(&film) {
@@ -378,43 +370,34 @@ impl ComparedCase {
         found
     }
 
-    /// Order of a look at a hypothesis, the least first: what it leaves, and in noise what it gains; nothing if it is far
-    /// off.
+    /// The number by which hypotheses are sorted for a closer look, the least first: the difference that is left, or in
+    /// noise the gain with a minus sign. Nothing if the prediction `film` is far off.
     fn remoteness(&self, film: &Film) -> Option<f64> {
-        let View {
-            golden,
-            test,
-            whole,
-            ..
-        } = &self.few;
-        let seen = self.seen(film, &self.few)?;
+        let few = &self.few;
+        let seen = self.seen(film, few)?;
         if self.is_sampled {
-            return Some(
-                -seen
-                    .amount_in(test, golden)
-                    .map_or(0.0, |amount| amount.gain),
-            );
+            let amount = seen.amount_in(&few.test, &few.golden);
+            return Some(-amount.map_or(0.0, |amount| amount.gain));
         }
-        let left = self.few.left(&seen).value;
-        (left <= FAR_OFF_ON_LATTICE * whole.value).then_some(left)
+        let left = few.left(&seen).value;
+        (left <= FAR_OFF_ON_LATTICE * few.whole.value).then_some(left)
     }
 
-    /// How near `film`, which does not pass for the image, comes to it: in words, if that is near enough.
+    /// A sentence on how near `film`, which does not pass for the image, comes to it, with the difference that is left;
+    /// nothing if it is not near.
     fn close_in_words(&self, hypothesis: &Hypothesis, film: &Film) -> Option<(f64, String)> {
         if self.is_sampled || self.is_of_opacity || film.width() != self.golden.width() {
             return None;
         }
         let left = self.few.left(&self.seen(film, &self.few)?).value;
         (left <= UNEXPLAINED * self.few.whole.value).then_some(())?;
-        let test = self.test.nearest_to(film);
-        let pixels = film.radiance().iter().zip(test.radiance());
-        let off: Vec<f64> = pixels.map(|(a, b)| in_tolerances(*a, *b)).collect();
-        let outside = off.iter().filter(|off| **off > 1.0).count();
+        let off = outliers(film, &self.test.nearest_to(film));
         let words = format!(
-            "close to {}: {outside} of {} pixels still differ, by up to {:.1} tolerances",
+            "close to {}: {} of {} pixels still differ, by up to {:.1} tolerances",
             hypothesis.name(),
-            off.len(),
-            off.iter().copied().fold(0.0, f64::max)
+            off.outside,
+            off.count,
+            off.worst.1
         );
         Some((left, words))
     }
@@ -456,18 +439,12 @@ impl KeptValues {
 
 /// True if the colours of two images without noise agree, and opacity may not.
 fn has_right_colours(golden: &Film, picture: &Picture) -> bool {
+    let test = picture.radiance().filter(|test| test.noise().is_none());
+    if golden.opacity().is_none() || test.is_none() {
+        return false;
+    }
     let colours = Picture::Radiance(golden.clone().without_opacity());
-    golden.opacity().is_some()
-        && picture
-            .radiance()
-            .is_some_and(|test| test.noise().is_none())
-        && judge(
-            Gate::Deterministic,
-            &colours,
-            picture,
-            &Conditions::default(),
-        )
-        .is_ok_and(|judgement| judgement.passed)
+    passes(&colours, picture, &Conditions::default())
 }
 
 /// Names of the parameters that the difference looks like, or, of one that is too large for derivatives,

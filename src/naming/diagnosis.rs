@@ -1,10 +1,10 @@
 //! The likely cause behind an image: a mistake, or a change of parameters.
 //!
-//! A failing image is compared with the image that every mistake of the
-//! [catalogue](crate::variations::mistakes) would give: mistakes of the image are applied to the golden, those
-//! of the scene are rendered, first with few pixels or samples, the nearest ones with more. A mistake explains an image
-//! if the image that it makes passes for it. Among several, the nearest comes first. If none does, the usual pairs are
-//! tried, then changes of parameters.
+//! A search compares a failing image with the image that every mistake of the
+//! [catalogue](crate::variations::mistakes) would give. It applies mistakes of the image to the golden, and renders
+//! mistakes of the scene: first with few pixels or samples, the nearest ones with more. A mistake explains an image
+//! if the image that it makes passes for it. Among several, the nearest comes first. If none does, the search tries the
+//! usual pairs, then changes of parameters.
 //!
 //! What explains one case is tried first in the others, so a mistake that affects a whole suite is searched once. The
 //! search of a case has a [budget](Search).
@@ -22,7 +22,7 @@ pub use predictions::Predictions;
 pub(super) use predictor::{lattice_of, pixels_of};
 
 use crate::conventions::Profile;
-use crate::judging::{CaseResult, Judged, Likeness, Verdict};
+use crate::judging::{CaseResult, Judged, LikelyMistake, Verdict};
 use crate::suite::Case;
 use crate::variations::mistakes;
 use compared_case::ComparedCase;
@@ -48,9 +48,9 @@ const MOST_NAMED: usize = 5;
 
 /// Results of a search for mistakes.
 #[derive(Clone, Debug, Default)]
-pub struct Likenesses {
+pub struct Diagnosis {
     /// Likely mistakes, most likely first.
-    pub likely: Vec<Likeness>,
+    pub likely: Vec<LikelyMistake>,
     /// Number of cases searched, completely or not.
     pub searched: usize,
     /// Searches that were ended before they were done.
@@ -59,33 +59,33 @@ pub struct Likenesses {
     pub unexplained: Vec<CaseResult>,
 }
 
-impl Likenesses {
+impl Diagnosis {
     /// What searches have left in `results`, each judged by itself.
-    pub fn of_results(results: &[CaseResult]) -> Likenesses {
+    pub fn of_results(results: &[CaseResult]) -> Diagnosis {
         let failed = results.iter().filter(|it| it.verdict == Verdict::Fail);
         let searched = failed.filter(|it| it.search_ended == Some(true));
         let unexplained = searched.clone().filter(|it| it.looks_like.is_empty());
-        Likenesses {
+        Diagnosis {
             likely: likely(results.iter()),
             searched: searched.count(),
             unexplained: unexplained.cloned().collect(),
-            ..Likenesses::default()
+            ..Diagnosis::default()
         }
     }
 }
 
 /// The mistakes that `results` look like, first those that explain most cases.
-fn likely<'r>(results: impl Iterator<Item = &'r CaseResult>) -> Vec<Likeness> {
+fn likely<'r>(results: impl Iterator<Item = &'r CaseResult>) -> Vec<LikelyMistake> {
     let failed = results.filter(|it| it.verdict == Verdict::Fail);
     let searched: Vec<&CaseResult> = failed.filter(|it| it.search_ended.is_some()).collect();
-    let mut likely: Vec<Likeness> = Vec::new();
+    let mut likely: Vec<LikelyMistake> = Vec::new();
     for result in &searched {
         for name in &result.looks_like {
             let at = likely.iter().position(|known| known.mistake == *name);
             let at = at.unwrap_or_else(|| {
                 let parts = name.split(" + ").filter_map(mistakes::named);
                 let advice: Vec<&str> = parts.map(|mistake| mistake.advice).collect();
-                likely.push(Likeness {
+                likely.push(LikelyMistake {
                     mistake: name.clone(),
                     advice: advice.join("; and "),
                     explains: 0,
@@ -106,36 +106,25 @@ fn likely<'r>(results: impl Iterator<Item = &'r CaseResult>) -> Vec<Likeness> {
 /// Names the likely mistakes behind the failed images in `judged`: in `looks_like` of each result,
 /// and for all together, most likely first. Mistakes are made in scenes under the `profile` by which the images were
 /// judged.
-pub fn likeness(
+pub fn diagnosis(
     cases: &[&Case],
     profile: Option<&Profile>,
     judged: &mut [Judged],
     search: &Search<'_>,
-) -> Likenesses {
-    let scenes = |case: &Case| {
-        let scene = case.load_scene().ok()?;
-        let under = profile.and_then(|profile| profile.applied_to(&scene).ok().flatten());
-        Some(under.unwrap_or(scene))
-    };
+) -> Diagnosis {
     let mut failing = Vec::new();
     for (index, judged) in judged.iter().enumerate() {
         let case = cases.iter().find(|case| case.name == judged.result.name);
         let Some(case) = case else { continue };
         if judged.differs() {
-            failing.extend(ComparedCase::new(index, case, judged, &scenes));
+            failing.extend(ComparedCase::new(index, case, judged, profile));
         }
     }
-    let mut diagnosis = Diagnosis::default();
+    let mut findings = Findings::default();
     for at in 0..failing.len() {
-        diagnosis.search(&failing, at, search);
+        findings.search(&failing, at, search);
     }
-    let Diagnosis {
-        explanations,
-        close,
-        mut fitted,
-        unfinished,
-    } = diagnosis;
-    let mut explanations: Vec<_> = explanations.into_iter().collect();
+    let mut explanations: Vec<_> = findings.explanations.into_iter().collect();
     // Many cases first, then one mistake rather than two, small distances, and the order of the catalogue.
     explanations.sort_by_cached_key(|(hypothesis, left)| {
         let sum: f64 = left.values().map(|left| left.max(0.0)).sum();
@@ -150,12 +139,15 @@ pub fn likeness(
         let explains = explanations.filter(|(_, left)| left.contains_key(&failed.index));
         let names = explains.map(|(hypothesis, _)| hypothesis.name());
         result.looks_like = names.take(MOST_NAMED).collect();
-        let was_cut = unfinished.iter().any(|search| search.case == result.name);
+        let was_cut = findings
+            .unfinished
+            .iter()
+            .any(|search| search.case == result.name);
         result.search_ended = Some(!was_cut && !evidence.conventions_are_open);
-        let fit = fitted.remove(&failed.index).unwrap_or_default();
+        let fit = findings.fitted.remove(&failed.index).unwrap_or_default();
         result.change_agrees = fit.agrees;
         if result.looks_like.is_empty() {
-            result.difference = measured(failed, fit, close.get(&failed.index));
+            result.difference = measured(failed, fit, findings.close.get(&failed.index));
             // A gain that explains all is in the verdict.
             if !failed.is_gain || !result.difference.is_empty() {
                 unexplained.push(result.clone());
@@ -165,17 +157,17 @@ pub fn likeness(
             result.difference = fit.sentence.into_iter().collect();
         }
     }
-    Likenesses {
+    Diagnosis {
         likely: likely(judged.iter().map(|it| &it.result)),
         searched: failing.len(),
-        unfinished,
+        unfinished: findings.unfinished,
         unexplained,
     }
 }
 
 /// Findings on failing cases, by index of the result.
 #[derive(Default)]
-struct Diagnosis {
+struct Findings {
     /// What each hypothesis leaves of the differences that it explains.
     explanations: BTreeMap<Hypothesis, BTreeMap<usize, f64>>,
     /// The nearest mistake that does not explain a case, in words.
@@ -184,7 +176,7 @@ struct Diagnosis {
     unfinished: Vec<SearchStep>,
 }
 
-impl Diagnosis {
+impl Findings {
     /// Searches the mistakes behind the failing case `at`, and fits parameters where there are none.
     fn search(&mut self, failing: &[ComparedCase], at: usize, search: &Search<'_>) {
         let failed = &failing[at];
@@ -229,11 +221,10 @@ impl Diagnosis {
     }
 }
 
-/// True if one factor of the golden, or a single mistake of the catalogue, explains the image behind `judged` as a gate has
-/// it: that is plainer than several conventions.
+/// True if one factor of the golden, or a single mistake of the catalogue, explains the image behind `judged`. Such a cause
+/// is plainer than several conventions.
 pub(super) fn is_plainly_explained(case: &Case, judged: &Judged, search: &Search<'_>) -> bool {
-    let scenes = |case: &Case| case.load_scene().ok();
-    let failed = ComparedCase::new(0, case, judged, &scenes);
+    let failed = ComparedCase::new(0, case, judged, None);
     failed.is_some_and(|failed| {
         let clock = SearchClock::start(search, &failed.name, failed.spent);
         failed.is_gain || !failed.search(&clock).explaining.is_empty()

@@ -184,7 +184,7 @@ impl<'f> Fitting<'f> {
             predicted: self.case.few.golden.clone(),
             left: self.case.few.whole,
         };
-        let mut alone = self.with_another(&nothing);
+        let alone = self.with_another(&nothing);
         let mut best = alone.first().cloned();
         while let Some(fit) = best.as_ref().filter(|it| !self.is_enough(it)) {
             let more = self.with_another(fit).into_iter().next();
@@ -200,7 +200,7 @@ impl<'f> Fitting<'f> {
         }
         let mut fits = match best {
             Some(together) if together.chosen.len() > 1 => vec![together],
-            _ => std::mem::take(&mut alone),
+            _ => alone,
         };
         fits.retain(|fit| self.leaves(fit, LEFT));
         if self.case.is_sampled {

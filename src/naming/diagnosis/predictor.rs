@@ -45,19 +45,18 @@ impl Predictor {
     /// Predictor for the `scene` of the case called `name`, whose pixels are means of samples or not.
     pub fn new(name: &str, scene: Scene, is_sampled: bool) -> Predictor {
         let pixels = scene.width() * scene.height();
-        let looks = if is_sampled {
-            SAMPLES
-                .map(|samples| match blocks(&scene) {
-                    Some(blocks) => (blocks, samples),
-                    None => (Detail::Whole, (samples / (BLOCK * BLOCK) as u32).max(2)),
-                })
-                .to_vec()
+        let mut looks: Vec<Look> = if is_sampled {
+            let look = |samples: u32| match blocks(&scene) {
+                Some(blocks) => (blocks, samples),
+                None => (Detail::Whole, (samples / (BLOCK * BLOCK) as u32).max(2)),
+            };
+            SAMPLES.map(look).into()
         } else {
-            let details = vec![lattice_of(pixels, LATTICE), Detail::Whole];
-            let mut looks: Vec<Look> = details.into_iter().map(|it| (it, WITHOUT_NOISE)).collect();
-            looks.dedup();
-            looks
+            [lattice_of(pixels, LATTICE), Detail::Whole]
+                .map(|it| (it, WITHOUT_NOISE))
+                .into()
         };
+        looks.dedup();
         Predictor {
             name: name.to_owned(),
             scene,
@@ -70,7 +69,7 @@ impl Predictor {
         self.looks[0]
     }
 
-    /// The look with the most.
+    /// The look with the most pixels, or samples.
     pub fn most(&self) -> Look {
         self.looks[self.looks.len() - 1]
     }
@@ -92,7 +91,11 @@ impl Predictor {
             detail => detail,
         };
         let stopped = || clock.is_stopped();
-        let made = render_part(&plans, sampling(samples, seed), detail, &stopped, &|| ()).ok()?;
+        let sampling = Sampling {
+            samples: Some(samples),
+            seed: Seed::Given(SEED + seed),
+        };
+        let made = render_part(&plans, sampling, detail, &stopped, &|| ()).ok()?;
         // A ray that meets nothing takes a little as well.
         let rays = made.film.radiance().len() as u64 * u64::from(samples);
         let of_panel = |work: &Counters| Event::ALL.iter().map(|&event| work[event]).sum::<u64>();
@@ -140,13 +143,6 @@ impl Predictor {
             .predictions()
             .put(key, (film.clone(), clock.work() - before));
         Some(film)
-    }
-}
-
-fn sampling(samples: u32, seed: u64) -> Sampling {
-    Sampling {
-        samples: Some(samples),
-        seed: Seed::Given(SEED + seed),
     }
 }
 
