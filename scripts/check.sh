@@ -54,7 +54,7 @@ step "format"
 cargo fmt --check
 
 step "lints"
-cargo clippy --all-targets -- -D warnings
+cargo clippy --workspace --all-targets -- -D warnings
 
 step "tests, as in the README"
 cargo test

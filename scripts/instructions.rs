@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode, Stdio};
 use std::{env, fs};
 
-use volref::cost::effects::{Variant, variants};
+use volref::cost::effects::variants;
 use volref::cost::thumbnail;
 use volref::film::Film;
 use volref::render::plan::Effect;
@@ -136,7 +136,8 @@ impl Picture {
 
 /// The picture of a small image of `panel` by its own plan.
 fn picture(panel: &Panel, side: usize, samples: u32) -> Picture {
-    picture_of(thumbnail::scene(panel, panel.model.clone(), side), samples)
+    let small = thumbnail(panel, panel.model.clone(), side);
+    picture_of(Scene::of(small), samples)
 }
 
 /// The picture of `scene` by its own plan.
@@ -215,7 +216,7 @@ struct Prices {
 
 fn prices(name: &'static str, panel: &Panel) -> Prices {
     let variants = variants(panel).into_iter();
-    let variants = variants.map(|Variant { name, scene }| (name, picture_of(scene, SAMPLES)));
+    let variants = variants.map(|(name, scene)| (name, picture_of(scene, SAMPLES)));
     Prices {
         name,
         variants: variants.collect(),

@@ -27,20 +27,24 @@ pub struct EffectPrice {
     pub times_lookups: Option<f64>,
 }
 
-/// The cost of the effects of `panel`, each added alone to the scene without any; the last one has all of them. As many as
-/// there is time for, in small images, with random numbers by `seed`.
-pub(super) fn prices(
-    panel: &Panel,
-    seed: u64,
-    clock: &Clock,
-) -> Result<Vec<EffectPrice>, RenderError> {
+/// Small images of `panel` by the names of their effects: first none, then each added alone; the last has all of them.
+pub fn variants(panel: &Panel) -> Vec<(String, Scene)> {
     let variants = match &panel.model {
         Model::Classified(scene) => of_classified(scene),
         Model::Radiative(scene) => of_radiative(scene),
         Model::Curve(_) => vec![],
     };
     let small = |(name, model)| (name, Scene::of(thumbnail(panel, model, SIDE)));
-    let (names, scenes): (Vec<_>, Vec<_>) = variants.into_iter().map(small).unzip();
+    variants.into_iter().map(small).collect()
+}
+
+/// The costs of the [`variants`] of `panel`: as many as there is time for, with random numbers by `seed`.
+pub(super) fn prices(
+    panel: &Panel,
+    seed: u64,
+    clock: &Clock,
+) -> Result<Vec<EffectPrice>, RenderError> {
+    let (names, scenes): (Vec<_>, Vec<_>) = variants(panel).into_iter().unzip();
     let measured = measured(&scenes, Some(SAMPLES), seed, clock)?;
     let first = measured.first().map_or(0.0, |image| image.work.price());
     let prices = names

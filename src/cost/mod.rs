@@ -96,7 +96,7 @@ pub fn cost(
 }
 
 /// `panel` with another `model`, its larger side at most `most` pixels: costs are per pixel.
-fn thumbnail(panel: &Panel, model: Model, most: usize) -> Panel {
+pub fn thumbnail(panel: &Panel, model: Model, most: usize) -> Panel {
     let larger = panel.width.max(panel.height);
     let most = most.min(larger);
     let size = [panel.width, panel.height].map(|side| (side * most).div_ceil(larger).max(1));
