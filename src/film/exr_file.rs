@@ -31,8 +31,6 @@ impl Film {
     /// noise, the variances of the means as layer `variance` and the number of samples as layer
     /// `samples`.
     pub fn to_exr(&self) -> Result<Vec<u8>, FilmError> {
-        let channel =
-            |name: &str, values: Vec<f32>| AnyChannel::new(name, FlatSamples::F32(values));
         let colour = |c: usize| self.radiance().iter().map(|pixel| pixel[c]).collect();
         let mut channels = vec![
             channel("R", colour(0)),
@@ -86,6 +84,11 @@ impl Film {
         let samples = samples_of(colours.part, SAMPLES).ok_or(FilmError::noise(NO_COUNT))?;
         Ok((picture(&file, &colours)?, count(samples)?))
     }
+}
+
+/// A channel of these values.
+pub(super) fn channel(name: &str, values: Vec<f32>) -> AnyChannel<FlatSamples> {
+    AnyChannel::new(name, FlatSamples::F32(values))
 }
 
 /// A part of a file.

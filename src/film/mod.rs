@@ -288,14 +288,11 @@ impl Film {
         } else if !depth.radiance.iter().all(is_grey) {
             "depths are one number a pixel, of the shape (height, width), and this is a picture"
         } else {
-            ""
+            let depths = depth.radiance.iter().map(|of| of[0]).collect();
+            return Ok(self.with_depth(depths));
         };
-        if !fault.is_empty() {
-            let message = format!("the depth of the image cannot be read: {fault}");
-            return Err(FilmError(message));
-        }
-        let depths = depth.radiance.iter().map(|of| of[0]).collect();
-        Ok(self.with_depth(depths))
+        let message = format!("the depth of the image cannot be read: {fault}");
+        Err(FilmError(message))
     }
 
     /// Samples per pixel, of all renderings together; `None` if neither the image nor its caller

@@ -73,13 +73,8 @@ impl fmt::Display for Bits {
 impl Bits {
     /// Bits that were `given` for images, beside those of a profile, which alone says how values were blended.
     pub(crate) fn of(given: Option<Bits>, of_profile: Option<Bits>) -> Option<Bits> {
-        match (given, of_profile) {
-            (Some(given), Some(of_profile)) => Some(Bits {
-                blended: of_profile.blended,
-                ..given
-            }),
-            (given, of_profile) => given.or(of_profile),
-        }
+        let blended = of_profile.is_some_and(|bits| bits.blended);
+        given.map(|given| Bits { blended, ..given }).or(of_profile)
     }
 
     /// Codes of a curve that nobody stated.
@@ -96,18 +91,12 @@ impl Bits {
     /// Where they are neither: nothing was rounded that half a code could excuse. A mean of several renderings and what
     /// was blended from codes is none; such are taken for linear ones unless declared otherwise.
     pub fn of_radiance(self, film: &Film, exposure: f64) -> Result<Quantisation, String> {
-        let curves = candidates(exposure)
+        let curves = candidates(Origin::Declared, self.blended, exposure)
             .filter(|found| self.encoding.is_none_or(|of| of == found.encoding));
-        let origin = Origin::Declared;
         let mut faults = Vec::new();
         for found in curves {
             let Some(at) = found.no_code(film) else {
-                let blended = self.blended;
-                return Ok(Quantisation {
-                    origin,
-                    blended,
-                    ..found
-                });
+                return Ok(found);
             };
             faults.push((at, found));
         }
@@ -192,19 +181,14 @@ impl Quantisation {
     /// with so many values that this is no chance.
     pub fn recognised(film: &Film, exposure: f64) -> Option<Quantisation> {
         let are_many = |it: &Quantisation| it.levels(film).is_some_and(|n| n >= FEWEST_VALUES);
-        candidates(exposure).find(are_many)
+        candidates(Origin::Recognised, false, exposure).find(are_many)
     }
 
     /// Number of different codes in `film`; `None` if a value is no code.
     fn levels(&self, film: &Film) -> Option<usize> {
-        let (mut values, mut levels) = (BTreeSet::new(), BTreeSet::new());
-        for value in film.radiance().as_flattened() {
-            if !values.insert(value.to_bits()) {
-                continue;
-            }
-            levels.insert(self.level(*value)?);
-        }
-        Some(levels.len())
+        let values = film.radiance().as_flattened().iter();
+        let levels: Option<BTreeSet<u8>> = values.map(|&value| self.level(value)).collect();
+        levels.map(|levels| levels.len())
     }
 
     /// The code of `value`, if it is one.
@@ -265,16 +249,12 @@ impl Quantisation {
             return [value; 2];
         }
         let level = code.round();
-        let code = if (code - level).abs() <= OF_A_CODE {
-            level
-        } else {
-            code
-        };
+        let is_code = (code - level).abs() <= OF_A_CODE;
+        let code = if is_code { level } else { code };
         let hidden = self.hidden() + SINGLE_PRECISION;
-        let most = if code + hidden > LARGEST {
-            f64::INFINITY
-        } else {
-            self.radiance(code + hidden)
+        let most = match code + hidden {
+            beyond if beyond > LARGEST => f64::INFINITY,
+            most => self.radiance(most),
         };
         [self.radiance(code - hidden), most]
     }
@@ -395,13 +375,13 @@ impl fmt::Display for Quantisation {
     }
 }
 
-/// Quantisations that images have.
-fn candidates(exposure: f64) -> impl Iterator<Item = Quantisation> {
-    let of = |encoding, exposure| Quantisation {
+/// Quantisations that images have: by either curve, at no exposure and at `exposure` stops.
+fn candidates(origin: Origin, blended: bool, exposure: f64) -> impl Iterator<Item = Quantisation> {
+    let of = move |encoding, exposure| Quantisation {
         encoding,
         exposure,
-        origin: Origin::Recognised,
-        blended: false,
+        origin,
+        blended,
     };
     [0.0, exposure]
         .into_iter()
@@ -465,7 +445,7 @@ mod tests {
     #[test]
     fn codes_are_recognised_and_what_is_none_is_not() {
         for exposure in [0.0, 1.5] {
-            for made in candidates(exposure) {
+            for made in candidates(Origin::Recognised, false, exposure) {
                 let film = made.rounded(&golden());
                 assert_eq!(Quantisation::recognised(&film, exposure), Some(made));
                 let half = mapped(&film, |x| f16::from_f32(x).to_f32());
@@ -513,7 +493,7 @@ mod tests {
     #[test]
     fn a_rounded_image_is_as_near_as_its_codes_allow() {
         let golden = golden();
-        for made in candidates(1.0) {
+        for made in candidates(Origin::Recognised, false, 1.0) {
             let test = made.rounded(&golden);
             assert_eq!(test.nearest_to(&golden).radiance(), golden.radiance());
             let brighter = made.rounded(&mapped(&golden, |x| 1.1 * x));
