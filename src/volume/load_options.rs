@@ -37,15 +37,6 @@ impl LoadOptions {
     }
 }
 
-impl From<Splatting> for LoadOptions {
-    fn from(splatting: Splatting) -> LoadOptions {
-        LoadOptions {
-            splatting,
-            ..LoadOptions::default()
-        }
-    }
-}
-
 /// The order of the indices of an array.
 #[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq)]
 #[serde(rename_all = "lowercase")]
