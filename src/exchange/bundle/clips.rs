@@ -1,17 +1,18 @@
 //! Clips of volumes in words and numbers.
 
-use super::inline_arrays::{Json, entries};
+use super::inline_arrays::{Entries, entries};
 use crate::geometry::Aabb;
 use crate::scene::{Clip, Kept};
 
-/// The plane or box of a clip.
-pub(super) fn clip(clip: &Clip) -> Json {
-    Json::Object(match clip.kept {
+/// The planes and boxes of clips.
+pub(super) fn clips(clips: &[Clip]) -> Vec<Entries> {
+    let clip = |clip: &Clip| match clip.kept {
         Kept::Side { point, normal } => {
             entries! { "kind": "plane", "point": point, "normal": *normal }
         }
         Kept::Inside(Aabb { min, max }) => entries! { "kind": "box", "min": min, "max": max },
-    })
+    };
+    clips.iter().map(clip).collect()
 }
 
 /// What clips keep.
