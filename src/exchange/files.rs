@@ -48,7 +48,8 @@ impl SharedFiles<'_> {
         self.file(["mesh", ".ply"], 0, ply(vertices, faces))
     }
 
-    /// Name of the file that holds these bytes: that of all, and between `ends` a number, from `first` on.
+    /// Name of the file that holds these bytes: the common name, then the two `ends` with a number between them,
+    /// counted from `first`.
     pub(super) fn file(&mut self, ends: [&str; 2], first: usize, bytes: Vec<u8>) -> String {
         let begin = format!("{}.{}", self.name, ends[0]);
         let alike = self.files.iter().filter(|it| it.0.starts_with(&begin));

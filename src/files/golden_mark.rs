@@ -1,5 +1,4 @@
-//! What tells a golden from any other file: the provenance beside it. Only `volref accept` changes goldens, in whatever
-//! folder they are.
+//! Recognises goldens by the provenance beside them. Only `volref accept` changes goldens, in whatever folder they are.
 
 use super::file_kind::stand_in;
 use super::regular_file;

@@ -1,5 +1,5 @@
 //! Reads regular files only, never beyond a size limit, and remembers which ones, so that no output
-//! is written over an input. What stands in place of a file, such as a pointer of Git LFS, is told as such.
+//! is written over an input. Where something stands in place of a file, such as a pointer of Git LFS, the error says so.
 
 use super::file_kind::{HEAD, stand_in};
 use std::collections::HashSet;

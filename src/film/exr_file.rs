@@ -105,7 +105,7 @@ pub(super) fn part(
     )
 }
 
-/// The file of these parts; of several, each has a name.
+/// The file of these parts. Where there are several, each has a name.
 pub(super) fn written_parts(
     parts: Vec<Layer<AnyChannels<FlatSamples>>>,
 ) -> Result<Vec<u8>, FilmError> {
@@ -210,7 +210,7 @@ fn noise(colours: &Colours) -> Result<Option<Noise>, FilmError> {
     Ok(Some(Noise::of_samples(pixels([r, g, b]), count(samples)?)))
 }
 
-/// Position of an image's pixels among those of a part of its file.
+/// Where the pixels of an image lie among the pixels of a part of its file.
 struct PixelWindow {
     /// Columns and rows of the image.
     size: [usize; 2],

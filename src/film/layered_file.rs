@@ -16,7 +16,7 @@ const BITS_BELOW_ERROR: i32 = 2;
 /// Significant bits of a value, at least and at most.
 const BITS: [i32; 2] = [3, 14];
 
-/// Between the name of a layer and those of the channels with its standard errors.
+/// Part of a channel's name, behind the name of the layer, that marks standard errors.
 const ERROR: &str = "error";
 
 /// Images, each with a name, a mean and standard errors.

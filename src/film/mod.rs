@@ -145,8 +145,8 @@ impl Film {
         })
     }
 
-    /// This image as one of known radiances, which is compared with means of samples: its noise is
-    /// zero in every pixel, as of [`u32::MAX`] samples. For comparisons, not for files.
+    /// This image with a noise of zero in every pixel, as of [`u32::MAX`] samples, so that means of
+    /// samples can be compared with its known radiances. Files do not keep that.
     pub fn known(self) -> Film {
         Film {
             noise: Some(Noise::none(self.radiance.len())),
@@ -237,7 +237,7 @@ impl Film {
         mean.is_finite().then_some(mean)
     }
 
-    /// Films of one size, in which every value is a number.
+    /// True if both films have one size and every value is finite.
     pub(crate) fn is_comparable(&self, other: &Film) -> bool {
         let size = |film: &Film| (film.width(), film.height());
         let is_number = |film: &Film| film.radiance.as_flattened().iter().all(|x| x.is_finite());

@@ -83,13 +83,15 @@ impl Bits {
         blended: false,
     };
 
-    /// Quantisation of `film`, radiance from a linear file: by codes at no exposure or at `exposure` stops,
-    /// whichever all its values are.
+    /// Quantisation of `film`, radiance from a linear file: the first curve, at no exposure or at `exposure` stops,
+    /// by which all its values are codes.
+    ///
+    /// Values of a mean of several renderings, and values blended from codes, are no codes themselves: the curve is
+    /// then the declared one, or linear.
     ///
     /// # Errors
     ///
-    /// Where they are neither: nothing was rounded that half a code could excuse. A mean of several renderings and what
-    /// was blended from codes is none; such are taken for linear ones unless declared otherwise.
+    /// If some values of any other image are no codes: they were not rounded, and half a code excuses nothing.
     pub fn of_radiance(self, film: &Film, exposure: f64) -> Result<Quantisation, String> {
         let curves = candidates(Origin::Declared, self.blended, exposure)
             .filter(|found| self.encoding.is_none_or(|of| of == found.encoding));
@@ -199,13 +201,13 @@ impl Quantisation {
         is_code.then_some(level as u8)
     }
 
-    /// Place of the first value of `film` that is no code. Values that are not finite are judged as such.
+    /// Place of the first finite value of `film` that is no code. The gates judge values that are not finite.
     fn no_code(&self, film: &Film) -> Option<usize> {
         let mut values = film.radiance().as_flattened().iter();
         values.position(|&value| value.is_finite() && self.level(value).is_none())
     }
 
-    /// Sentence on the value at `index` of all values of `film`, which is no code.
+    /// A sentence that says which value of `film`, at `index` of all its values, is no code.
     fn no_code_in_words(&self, index: usize, film: &Film) -> String {
         let value = film.radiance().as_flattened()[index];
         let (pixel, channel) = (index / CHANNELS.len(), CHANNELS[index % CHANNELS.len()]);
@@ -241,7 +243,8 @@ impl Quantisation {
         self.radiance(LARGEST)
     }
 
-    /// Radiances that round to that of `value`; all from half a code below the largest on round to that.
+    /// The least and the largest radiance that round to the code of `value`; infinite for the largest code, which
+    /// holds all that is brighter.
     fn interval(&self, value: f64) -> [f64; 2] {
         let code = self.code(value);
         // A value above the largest code was not rounded to it.
@@ -259,13 +262,13 @@ impl Quantisation {
         [self.radiance(code - hidden), most]
     }
 
-    /// Largest difference that rounding makes, in codes: half of one for each of colour, opacity and sum, none of
-    /// which counts more than once in a sum.
+    /// Largest difference that rounding makes, in codes: half a code; of blended values half a code each for colour,
+    /// opacity and sum.
     fn hidden(&self) -> f64 {
         if self.blended { 1.5 } else { 0.5 }
     }
 
-    /// Half the width of the code of a radiance; of blended values one and a half times its width.
+    /// Largest difference that rounding makes at this radiance.
     pub(crate) fn half_code(&self, radiance: f64) -> f64 {
         let code = self.code(radiance).clamp(0.0, LARGEST);
         self.hidden() * (self.radiance(code + 0.5) - self.radiance(code - 0.5))
@@ -290,14 +293,14 @@ impl Quantisation {
             .collect()
     }
 
-    /// `film`, of these codes, with them taken for those of another curve.
+    /// `film`, whose values are these codes, as if the codes followed another curve.
     pub(crate) fn read_as(self, encoding: Encoding, film: &Film) -> Film {
         let other = Quantisation { encoding, ..self };
         other.decoded(film.width(), film.height(), &self.codes(film))
     }
 
-    /// `film`, of these codes, as one whose values were rounded down to them: a code is half a code too dark.
-    /// `None` where that is not what nearly all of them are of `golden`, of the same size.
+    /// `film` half a code brighter, if nearly all its codes are those of `golden`, of the same size, rounded down in
+    /// place of to the nearest; else `None`.
     pub(crate) fn rounded_down(self, golden: &Film, film: &Film) -> Option<Film> {
         let values = [golden, film].map(|film| film.radiance().as_flattened().iter());
         let [exact, codes] = values.map(|them| them.map(|&value| self.code(value.into())));
@@ -326,8 +329,8 @@ impl Quantisation {
         })
     }
 
-    /// `film`, of whole numbers from 0 to 255, divided by 255, and as sRGB codes; `None` of one with other values,
-    /// or with so few that they may be radiance.
+    /// `film` divided by 255, and as sRGB codes, if its values are whole numbers from 0 to 255; `None` if others are
+    /// among them, or so few different ones that they may be radiance.
     pub(crate) fn of_whole_numbers(film: &Film) -> Option<[Film; 2]> {
         let is_code = |value: &f32| value.fract() == 0.0 && (0.0..=255.0).contains(value);
         if !film.radiance().as_flattened().iter().all(is_code) {
@@ -348,7 +351,7 @@ impl Quantisation {
         self.decoded(film.width(), film.height(), &self.codes(film))
     }
 
-    /// True of a pixel of which a channel is above the largest code.
+    /// True if a channel of `pixel` is above the largest code.
     pub(crate) fn cuts_off(&self, pixel: [f32; 3]) -> bool {
         pixel
             .into_iter()

@@ -24,7 +24,7 @@ pub struct FractalParameters {
     pub threshold: f64,
 }
 
-/// A finer octave than the 32nd would, at a lacunarity of 2, be of cells smaller than the
+/// Largest number of octaves. At a lacunarity of 2 the cells of a finer one are smaller than the
 /// rounding of coordinates of some millions.
 pub const MOST_OCTAVES: u32 = 32;
 

@@ -56,8 +56,8 @@ impl HeaderFields {
 /// Longest header: those of diffusion scans have some hundred kilobytes.
 const LONGEST_HEADER: u64 = 1 << 20;
 
-/// Reads the lines of the header at the beginning of `source`, with their numbers, until `is_last` is true of one,
-/// behind which `source` is left; it has `None` where the text ends.
+/// Gives `is_last` each line of the header at the beginning of `source`, with its number, until it returns true; then
+/// `source` is left behind that line. Where the text ends, the line is `None`.
 pub(super) fn read_lines(
     source: &mut VolumeSource,
     mut is_last: impl FnMut(Option<&str>, usize) -> Result<bool, VolumeFault>,
@@ -149,7 +149,7 @@ impl HeaderField {
         )))
     }
 
-    /// One word for each axis.
+    /// One word for each axis, as `read` understands it.
     pub(super) fn each<T>(
         &self,
         dimension: usize,
@@ -160,7 +160,7 @@ impl HeaderField {
         words.into_iter().map(read).collect()
     }
 
-    /// `(1,0,0) (0,1,0) none`
+    /// Vectors such as `(1,0,0) (0,1,0) none`, one for each axis.
     pub(super) fn vectors(&self, dimension: usize) -> Result<Vec<Option<DVec3>>, VolumeFault> {
         let mut vectors = Vec::new();
         let mut rest = self.value.trim();

@@ -216,8 +216,7 @@ pub(super) fn read_grid(
     }
 }
 
-/// As [`read_grid`], of samples in a stream that `source` is already unpacking from a file of
-/// `length` bytes.
+/// As [`read_grid`], for samples that `source` unpacks from a file of `length` bytes.
 pub(super) fn read_unpacked(
     source: &mut dyn Read,
     length: u64,

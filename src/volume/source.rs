@@ -70,7 +70,7 @@ impl<'b> VolumeSource<'b> {
         Ok(VolumeSource::new(path, Box::new(file), length))
     }
 
-    /// Bytes of a file of that name, and those of the file of samples that it may name.
+    /// The file `name` in memory, with the bytes of the file of samples that it may name.
     pub fn of(name: &str, bytes: &'b [u8], samples: Option<&'b [u8]>) -> VolumeSource<'b> {
         VolumeSource {
             beside: Beside::Memory(samples),
@@ -91,7 +91,7 @@ impl<'b> VolumeSource<'b> {
         }
     }
 
-    /// The name of the file ends in `ending`, in capitals or not.
+    /// True if the name of the file ends in `ending`, in capitals or not.
     pub fn ends_in(&self, ending: &str) -> bool {
         ends_in(&self.path, ending)
     }
@@ -147,7 +147,7 @@ impl<'b> VolumeSource<'b> {
         io::copy(&mut self.take(count), &mut io::sink()).map(drop)
     }
 
-    /// All bytes, if they are at most so many, with the remedy else.
+    /// All bytes; an error with the `remedy` if they are more than `most`.
     pub fn all(&mut self, most: u64, remedy: &str) -> Result<Vec<u8>, VolumeFault> {
         let length = self.remaining;
         if length > most {

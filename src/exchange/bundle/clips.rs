@@ -15,7 +15,7 @@ pub(super) fn clips(clips: &[Clip]) -> Vec<Entries> {
     clips.iter().map(clip).collect()
 }
 
-/// What clips keep.
+/// The rule by which clips keep parts of a volume.
 pub(super) const CLIP: &str = "of a volume only that is left which all its clips (numbers in the list, from 0) keep: the \
     points p with normal.(p - point) > 0 of a plane, or the inside of a box. t0 and t1 are where a ray \
     enters and leaves what is left, and steps are counted from there, on rays towards the light, too";
