@@ -52,16 +52,10 @@ fn gap(reach: f64) -> f64 {
 pub(super) fn scene(panel: &Panel, scene: &Radiative, name: &str) -> Result<Export, Refusal> {
     let mut faults = Faults::default();
     let export = ExportScene::of(panel, scene, gap, REACHES, &mut faults);
-    if let Some(Intrinsics {
-        focal_lengths: [x, y],
-        ..
-    }) = export.view.intrinsics
-        && (x - y).abs() > 1e-6 * y
-    {
-        faults.add(
-            "camera",
-            "pixels that are not square: give `fl_x` and `fl_y` one value",
-        );
+    let focal_lengths = export.view.intrinsics.map(|it| it.focal_lengths);
+    if focal_lengths.is_some_and(|[x, y]| (x - y).abs() > 1e-6 * y) {
+        let what = "pixels that are not square: give `fl_x` and `fl_y` one value";
+        faults.add("camera", what);
     }
     for nested in &export.nested_media.list {
         if nested.medium.emission != DVec3::ZERO {
@@ -290,13 +284,9 @@ impl MitsubaWriter<'_> {
                     }
                 }
                 let target = ahead(light.position, light.axis());
+                let up = light.axis().any_orthonormal_vector();
                 let parts = [
-                    look_at(
-                        light.position,
-                        target,
-                        light.axis().any_orthonormal_vector(),
-                        None,
-                    ),
+                    look_at(light.position, target, up, None),
                     rgb("intensity", light.intensity),
                     typed("float", "beam_width", beam),
                     typed("float", "cutoff_angle", outer),
@@ -385,11 +375,8 @@ impl MitsubaWriter<'_> {
             Form::Rectangle { corner, edges } if is_right_angled(edges) => {
                 let [u, v] = *edges;
                 let normal = u.cross(v).normalize();
-                let centre = corner + 0.5 * (u + v);
-                (
-                    "rectangle",
-                    vec![matrix([0.5 * u, 0.5 * v, normal, centre])],
-                )
+                let columns = [0.5 * u, 0.5 * v, normal, corner + 0.5 * (u + v)];
+                ("rectangle", vec![matrix(columns)])
             }
             Form::Rectangle { .. } => {
                 let corners = form.corners();
@@ -581,14 +568,7 @@ fn look_at(origin: DVec3, target: DVec3, up: DVec3, half_width: Option<f64>) -> 
 
 /// An affine map by its columns, the last of which is where the origin goes.
 fn matrix(columns: [DVec3; 4]) -> String {
-    let row = |axis: usize| {
-        let numbers = columns.map(|column| column[axis].to_string());
-        numbers.join(" ")
-    };
-    format!(
-        "<transform name=\"to_world\"><matrix value=\"{} {} {} 0 0 0 1\"/></transform>",
-        row(0),
-        row(1),
-        row(2)
-    )
+    let row = |axis: usize| columns.map(|column| column[axis].to_string()).join(" ");
+    let rows = [0, 1, 2].map(row).join(" ");
+    format!("<transform name=\"to_world\"><matrix value=\"{rows} 0 0 0 1\"/></transform>")
 }

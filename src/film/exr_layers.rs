@@ -172,12 +172,9 @@ fn the_one<'f>(
         "" => "one without a name".to_owned(),
         name => name.to_owned(),
     };
-    let names: Vec<String> = with_colours.iter().map(name).collect();
+    let names = with_colours.iter().map(name).collect::<Vec<_>>().join(", ");
     Err(FilmError::unsuited(
-        format!(
-            "several layers have colours, and none is the main one: {}",
-            names.join(", ")
-        ),
+        format!("several layers have colours, and none is the main one: {names}"),
         "write one of them without a name, or call it rgba, beauty or combined",
     ))
 }
