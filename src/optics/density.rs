@@ -179,10 +179,7 @@ impl Density {
             origin: ray.origin,
             direction: ray.direction * scale,
         };
-        let span = Span::new(
-            span.near.max(inside.near / scale),
-            span.far.min(inside.far / scale),
-        );
+        let span = span.within(Span::new(inside.near / scale, inside.far / scale));
         (span.near < span.far).then_some((line, span))
     }
 

@@ -123,9 +123,8 @@ pub fn load_hashed(path: &Path, options: &LoadOptions) -> Result<Loaded, VolumeE
         fault,
     };
     if path.is_dir() {
-        return Err(in_file(
-            format!("this is a directory, not a volume file; {OF_SLICES}").into(),
-        ));
+        let message = format!("this is a directory, not a volume file; {OF_SLICES}");
+        return Err(in_file(message.into()));
     }
     let format = volume_format(path).ok_or_else(|| in_file(unsupported(remedy(path))))?;
     let mut source = VolumeSource::open(path)?;
@@ -174,9 +173,9 @@ fn misnamed(path: &Path, first: &[u8]) -> Option<String> {
         }
         _ => way_out(kind),
     };
+    let name = kind.name;
     Some(format!(
-        "the file begins like {}, which its name does not say: {remedy}",
-        kind.name
+        "the file begins like {name}, which its name does not say: {remedy}"
     ))
 }
 

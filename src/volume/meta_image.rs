@@ -173,10 +173,8 @@ impl HeaderFields {
             (true, true) => Encoding::Zlib,
             (true, false) => Encoding::Raw,
         };
-        let big = self.flag(
-            "BinaryDataByteOrderMSB",
-            self.flag("ElementByteOrderMSB", false)?,
-        )?;
+        let big = self.flag("ElementByteOrderMSB", false)?;
+        let big = self.flag("BinaryDataByteOrderMSB", big)?;
         let skip = self.byte_skip("HeaderSize")?;
         let (axes, element) = (self.axes()?, self.element()?);
         Ok(Header {
