@@ -4,7 +4,7 @@ use super::MeanWork;
 use super::thumbnail::thumbnail;
 use super::timing::{Clock, Times};
 use super::work::measured;
-use crate::optics::{Coefficients, Phase};
+use crate::optics::{Coefficients, Density, Phase};
 use crate::render::RenderError;
 use crate::scene::{Body, Classified, Model, Panel, Radiative, Scattering, Scene};
 use glam::DVec3;
@@ -120,8 +120,7 @@ fn of_radiative(scene: &Radiative) -> Vec<(String, Model)> {
     plain.scattering = Scattering::None;
     for body in &mut plain.media {
         // In place of a density that varies, one that is like it.
-        let density = body.density.as_ref();
-        let typical = density.map_or(1.0, |density| density.blocks().typical());
+        let typical = body.density.as_ref().map_or(1.0, Density::typical);
         body.medium.coefficients = grey(&body.medium.coefficients, typical);
         body.medium.emission = DVec3::ZERO;
         body.medium.phase = Phase::ISOTROPIC;

@@ -135,6 +135,11 @@ impl Density {
         Blocks::of(&self.field, self.bounds, whole, size / counts)
     }
 
+    /// A single number in place of the density: above 0 if any density is.
+    pub(crate) fn typical(&self) -> f64 {
+        self.blocks().typical()
+    }
+
     /// Density at a world point: 0 outside the box of a grid; for other fields the point must lie
     /// in their box. Adds 1 to `lookups`, unless the density is known to be 0.
     pub fn at(&self, point: DVec3, lookups: &mut u64) -> f64 {

@@ -51,8 +51,7 @@ impl Blocks {
             .expect("at least one block")
     }
 
-    /// A single number in place of the density, above 0 if any density is: the mean over all blocks of the middle
-    /// between their bounds.
+    /// The mean over all blocks of the middle between their bounds.
     pub(crate) fn typical(&self) -> f64 {
         let middles = self
             .ranges

@@ -38,7 +38,7 @@ impl<'s> Media<'s> {
             if !unit.scatters() {
                 return MediumProperties::default();
             }
-            let typical = density.blocks().typical();
+            let typical = density.typical();
             MediumProperties {
                 sigma_t: unit.sigma_t * typical,
                 sigma_s: unit.sigma_s * typical,
