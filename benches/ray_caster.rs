@@ -57,11 +57,14 @@ static SCENE: LazyLock<Scene> = LazyLock::new(|| {
 /// The smoke splatted to 128 nodes of height, centred in a cube of 128³ nodes.
 fn smoke_128() -> Grid<f32> {
     let cloud = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/volumes/smoke.obj");
-    let splatting = volref::volume::Splatting {
-        resolution: Some(128),
-        padding: 2,
+    let options = volref::volume::LoadOptions {
+        splatting: volref::volume::Splatting {
+            resolution: Some(128),
+            padding: 2,
+        },
+        ..volref::volume::LoadOptions::default()
     };
-    let plume = volref::volume::load(&cloud, &splatting.into()).expect("the smoke of the suite");
+    let plume = volref::volume::load(&cloud, &options).expect("the smoke of the suite");
     let nodes = plume.lattice().nodes();
     let lattice = Lattice::new([128; 3], plume.lattice().spacing(), DVec3::ZERO).expect("128³");
     let mut values = vec![0.0; lattice.node_count()];

@@ -37,12 +37,12 @@ pub(super) fn bundle(scene: &Scene, name: &str, exposure: Option<f64>) -> Result
             "height": panel.height,
         };
         picture.extend(content(panel, &mut raw)?);
-        panels.push(Json::Object(picture));
+        panels.push(picture);
         first_column += panel.width;
     }
     let description = Json::Object(entries! {
         "schema": "volref/bundle/1", "name": name, "image": image(scene, exposure),
-        "judged": judged(plans(scene).iter().any(Plan::is_sampled)), "panels": Json::List(panels),
+        "judged": judged(plans(scene).iter().any(Plan::is_sampled)), "panels": panels,
     });
     let main = format!("{name}.json");
     let text = description.text("") + "\n";
@@ -76,7 +76,7 @@ fn content(panel: &Panel, raw: &mut SharedFiles) -> Result<Entries, Refusal> {
     }
 }
 
-fn image(scene: &Scene, exposure: Option<f64>) -> Json {
+fn image(scene: &Scene, exposure: Option<f64>) -> Entries {
     let panels = "side by side from left to right: panel k fills the columns from its first_column on, all rows";
     let pixels = "linear RGB radiance as 32-bit floats, without gamma, exposure or clipping, top row first; colours \
                   as they reach the eye, that is already multiplied by opacity";
@@ -91,35 +91,33 @@ fn image(scene: &Scene, exposure: Option<f64>) -> Json {
                      linear if that is declared";
         image.extend(entries! { "exposure": stops, "codes": codes });
     }
-    Json::Object(image)
+    image
 }
 
 /// The gate: by noise in words, else the deterministic one. It is the business of [`crate`]'s comparisons,
 /// which lie above this room; `tests/cli/peers.rs` holds these numbers against what they do.
-fn judged(by_noise: bool) -> Json {
+fn judged(by_noise: bool) -> Entries {
     if by_noise {
         let rule = "your image and the right one may differ by no more than the noise of both, in the mean of the \
                     whole, of rows, of columns and of blocks of 8 by 8 pixels, and pixel by pixel; noise that you do \
                     not state is estimated from the image";
-        return Json::Object(entries! { "rule": rule });
+        return entries! { "rule": rule };
     }
     let rule = "a pixel agrees if in every channel |yours - right| <= tolerance(right), where tolerance(c) = \
                 absolute + relative*|c|; at most outlier_share of the pixels may disagree, none by more than \
                 hard_cap tolerances, and the mean of a channel may be off by bias_share*tolerance(mean)";
-    Json::Object(entries! {
+    entries! {
         "rule": rule, "absolute": 1e-3, "relative": 0.01, "outlier_share": 2e-4, "hard_cap": 20.0,
         "bias_share": 0.1,
-    })
+    }
 }
 
 /// The points of a transfer function that is a table.
-fn points(points: &TransferPoints) -> Json {
+fn points(points: &TransferPoints) -> Vec<Entries> {
     let point = |point: &TransferPoint| {
-        Json::Object(entries! {
-            "value": point.value, "opacity": point.opacity, "colour": point.colour,
-        })
+        entries! { "value": point.value, "opacity": point.opacity, "colour": point.colour }
     };
-    Json::List(points.points().iter().map(point).collect())
+    points.points().iter().map(point).collect()
 }
 
 /// The files beside the JSON are bare numbers, little endian.

@@ -1,6 +1,5 @@
-//! Grids and meshes in separate files.
+//! Meshes and raw numbers in files beside the main one.
 
-use crate::volume::{Grid, vol_bytes};
 use glam::DVec3;
 
 /// A mesh as PLY: little endian, coordinates as `float`.
@@ -30,7 +29,6 @@ fn ply(vertices: &[DVec3], faces: &[[usize; 3]]) -> Vec<u8> {
 }
 
 /// Files beside the main one: equal ones are one.
-#[derive(Default)]
 pub(super) struct SharedFiles<'n> {
     /// The name that all files begin with.
     pub name: &'n str,
@@ -50,7 +48,8 @@ impl SharedFiles<'_> {
         self.file(["mesh", ".ply"], 0, ply(vertices, faces))
     }
 
-    /// Name of the file that holds these bytes: that of all, and between `ends` a number, from `first` on.
+    /// Name of the file that holds these bytes: the common name, then the two `ends` with a number between them,
+    /// counted from `first`.
     pub(super) fn file(&mut self, ends: [&str; 2], first: usize, bytes: Vec<u8>) -> String {
         let begin = format!("{}.{}", self.name, ends[0]);
         let alike = self.files.iter().filter(|it| it.0.starts_with(&begin));
@@ -63,17 +62,9 @@ impl SharedFiles<'_> {
     }
 }
 
-/// A grid as a volume of Mitsuba's, version 3, to the bit. The box of the header is the unit
-/// cube: where the grid lies is the scene's to say.
-pub(super) fn vol(grid: &Grid<f32>) -> Vec<u8> {
-    let counts = grid.lattice().nodes().map(|nodes| nodes as i32);
-    vol_bytes(counts, [[0.0; 3], [1.0; 3]], grid.values())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::volume::{Lattice, LoadOptions, read_volume};
 
     #[test]
     fn a_triangle_as_ply() {
@@ -85,13 +76,5 @@ mod tests {
         assert_eq!(data.len(), 36 + 13);
         assert_eq!(data[12..16], 1_f32.to_le_bytes());
         assert_eq!(data[36..], [3, 0, 0, 0, 0, 1, 0, 0, 0, 2, 0, 0, 0]);
-    }
-
-    #[test]
-    fn a_grid_is_written_to_the_bit() {
-        let lattice = Lattice::new([2, 1, 2], DVec3::ONE, DVec3::ZERO).unwrap();
-        let grid = Grid::new(lattice, vec![0.1, 2.5, 1e-30, 7.0]).unwrap();
-        let back = read_volume("grid.vol", &vol(&grid), None, &LoadOptions::default()).unwrap();
-        assert_eq!(back.values(), grid.values());
     }
 }

@@ -78,7 +78,16 @@ impl Form {
                 centre: sphere.centre(),
                 radius: sphere.radius(),
             },
-            (Base::Sphere(sphere), Some(to_world)) => Form::moved_sphere(sphere, to_world),
+            (Base::Sphere(sphere), Some(to_world)) => match even_scale(to_world) {
+                Some(factor) => Form::Sphere {
+                    centre: to_world.point(sphere.centre()),
+                    radius: sphere.radius() * factor,
+                },
+                None => Form::Ellipsoid {
+                    sphere: *sphere,
+                    to_world: *to_world,
+                },
+            },
             (Base::Box(cuboid), to_world) => {
                 Form::cuboid(cuboid, to_world.unwrap_or(&Transform::IDENTITY))
             }
@@ -89,19 +98,6 @@ impl Form {
                 Form::Rectangle { corner, edges }
             }
             (Base::Mesh(mesh), to_world) => Form::mesh(mesh, to_world),
-        }
-    }
-
-    fn moved_sphere(sphere: &Sphere, to_world: &Transform) -> Form {
-        match even_scale(to_world) {
-            Some(factor) => Form::Sphere {
-                centre: to_world.point(sphere.centre()),
-                radius: sphere.radius() * factor,
-            },
-            None => Form::Ellipsoid {
-                sphere: *sphere,
-                to_world: *to_world,
-            },
         }
     }
 
@@ -244,12 +240,14 @@ mod tests {
         let ball = Sphere::new(DVec3::X, 2.0).unwrap();
         let turn = Transform::rotation(DVec3::ONE, 77.0).unwrap();
         let mirrored = Transform::scale(DVec3::new(-3.0, 3.0, 3.0)).unwrap();
-        let Form::Sphere { radius, .. } = Form::moved_sphere(&ball, &mirrored.then(&turn)) else {
+        let Form::Sphere { radius, .. } =
+            Form::of((Base::Sphere(&ball), Some(&mirrored.then(&turn))))
+        else {
             panic!("no sphere")
         };
         assert!((radius - 6.0).abs() < 1e-14);
         let stretched = Transform::scale(DVec3::new(1.0, 1.0, 1.0 + 1e-12)).unwrap();
-        let form = Form::moved_sphere(&ball, &stretched);
+        let form = Form::of((Base::Sphere(&ball), Some(&stretched)));
         assert!(matches!(form, Form::Ellipsoid { .. }));
     }
 

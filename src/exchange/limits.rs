@@ -19,7 +19,7 @@ pub(super) const LENGTHS: Range<f64> = 1.0 / (1 << 30) as f64..(1 << 29) as f64;
 /// `util/sampling.cpp`, `SampleHenyeyGreenstein`).
 const SHARPEST: f64 = 0.99;
 
-/// Names what of a scene pbrt lacks, or its numbers cannot hold.
+/// Adds to `faults` what pbrt lacks of a scene, or its numbers cannot hold.
 pub(super) fn check(scene: &Radiative, export: &ExportScene, faults: &mut Faults) {
     for (index, light) in scene.lights.iter().enumerate() {
         let Light::Spot(spot) = light else { continue };

@@ -18,7 +18,7 @@
 //!   medium ends with its shape, and beyond the outermost values both are constant.
 
 use super::export_scene::ExportScene;
-use super::files::{SharedFiles, vol};
+use super::files::SharedFiles;
 use super::forms::Form;
 use super::mixture::Mixture;
 use super::nested_media::{ExportSurface, NestedMedium, PlacedGrid, SurfaceKind, key_of};
@@ -29,7 +29,7 @@ use crate::film::CHANNELS;
 use crate::geometry::{Aabb, Intrinsics, Transform};
 use crate::optics::{Light, Material, Phase, Sides};
 use crate::scene::{Panel, Radiative};
-use crate::volume::Interpolation;
+use crate::volume::{Interpolation, vol_bytes};
 use glam::DVec3;
 use std::fmt::{Display, Write};
 use std::ops::Range;
@@ -52,16 +52,10 @@ fn gap(reach: f64) -> f64 {
 pub(super) fn scene(panel: &Panel, scene: &Radiative, name: &str) -> Result<Export, Refusal> {
     let mut faults = Faults::default();
     let export = ExportScene::of(panel, scene, gap, REACHES, &mut faults);
-    if let Some(Intrinsics {
-        focal_lengths: [x, y],
-        ..
-    }) = export.view.intrinsics
-        && (x - y).abs() > 1e-6 * y
-    {
-        faults.add(
-            "camera",
-            "pixels that are not square: give `fl_x` and `fl_y` one value",
-        );
+    let focal_lengths = export.view.intrinsics.map(|it| it.focal_lengths);
+    if focal_lengths.is_some_and(|[x, y]| (x - y).abs() > 1e-6 * y) {
+        let what = "pixels that are not square: give `fl_x` and `fl_y` one value";
+        faults.add("camera", what);
     }
     for nested in &export.nested_media.list {
         if nested.medium.emission != DVec3::ZERO {
@@ -76,10 +70,10 @@ pub(super) fn scene(panel: &Panel, scene: &Radiative, name: &str) -> Result<Expo
         }
     }
     let mut writer = MitsubaWriter {
-        name,
-        meshes: SharedFiles::new(name),
+        body: String::new(),
+        files: SharedFiles::new(name),
+        notes: Vec::new(),
         faults,
-        ..MitsubaWriter::default()
     };
     writer.integrator(panel, scene, &export);
     let by_channel = writer.media(&export);
@@ -94,12 +88,9 @@ pub(super) fn scene(panel: &Panel, scene: &Radiative, name: &str) -> Result<Expo
     writer.finish(panel, by_channel)
 }
 
-#[derive(Default)]
 struct MitsubaWriter<'n> {
-    name: &'n str,
     body: String,
-    files: Vec<(String, Vec<u8>)>,
-    meshes: SharedFiles<'n>,
+    files: SharedFiles<'n>,
     /// What was changed, for a comment.
     notes: Vec<String>,
     faults: Faults,
@@ -119,10 +110,9 @@ impl MitsubaWriter<'_> {
         }
         text.push_str(&self.body);
         text.push_str("</scene>\n");
-        let main = format!("{}.xml", self.name);
+        let main = format!("{}.xml", self.files.name);
         let mut files = vec![(main.clone(), text.into_bytes())];
-        files.extend(self.files);
-        files.extend(self.meshes.files);
+        files.extend(self.files.files);
         self.faults.none(Format::Mitsuba, Export { main, files })
     }
 
@@ -147,10 +137,8 @@ impl MitsubaWriter<'_> {
             ("width", &panel.width.to_string()),
             ("height", &panel.height.to_string()),
         ] {
-            let _ = writeln!(
-                self.body,
-                "    <default name=\"{parameter}\" value=\"{value}\"/>"
-            );
+            let default = typed("default", parameter, value);
+            let _ = writeln!(self.body, "    {default}");
         }
         let limits = [
             typed("integer", "max_depth", "$max_depth"),
@@ -223,21 +211,18 @@ impl MitsubaWriter<'_> {
             .extend(nested_media.note_on_moved_faces(export.gap));
         let split = !by_channel[0].is_empty();
         if split {
+            let name = self.files.name;
             self.notes.push(format!(
                 "Render it with -Dchannel=red, green and blue, and of each picture take that \
-                 channel: {}.xml holds what differs.",
-                format_args!("{}.CHANNEL", self.name)
+                 channel: {name}.CHANNEL.xml holds what differs."
             ));
             for (channel, text) in CHANNELS.iter().zip(by_channel) {
                 let text = format!("<scene version=\"3.0.0\">\n{text}</scene>\n");
-                let file = format!("{}.{channel}.xml", self.name);
-                self.files.push((file, text.into_bytes()));
+                let file = format!("{name}.{channel}.xml");
+                self.files.files.push((file, text.into_bytes()));
             }
-            let _ = writeln!(
-                self.body,
-                "    <include filename=\"{}.$channel.xml\"/>",
-                self.name
-            );
+            let include = format!("    <include filename=\"{name}.$channel.xml\"/>\n");
+            self.body.push_str(&include);
         }
         for (at, nested) in nested_media.list.iter().enumerate() {
             if nested.interface.is_none() {
@@ -251,11 +236,14 @@ impl MitsubaWriter<'_> {
 
     /// The density of a grid: a texture in a file of its own.
     fn volume(&mut self, nested: &NestedMedium, grid: &PlacedGrid) -> String {
-        let file = format!("{}.medium{}.vol", self.name, nested.index);
+        let file = format!("{}.{}.vol", self.files.name, nested.name());
         let density = grid.density.grid();
-        self.files.push((file.clone(), vol(density)));
-        // The unit cube is divided into voxels; their middles are the nodes.
         let lattice = density.lattice();
+        // The box of the file is the unit cube: where the grid lies is the scene's to say.
+        let counts = lattice.nodes().map(|nodes| nodes as i32);
+        let bytes = vol_bytes(counts, [[0.0; 3], [1.0; 3]], density.values());
+        self.files.files.push((file.clone(), bytes));
+        // The unit cube is divided into voxels; their middles are the nodes.
         let low = lattice.first() - 0.5 * lattice.spacing();
         let nodes = lattice.nodes().map(|count| count as f64);
         let cube = Aabb {
@@ -296,13 +284,9 @@ impl MitsubaWriter<'_> {
                     }
                 }
                 let target = ahead(light.position, light.axis());
+                let up = light.axis().any_orthonormal_vector();
                 let parts = [
-                    look_at(
-                        light.position,
-                        target,
-                        light.axis().any_orthonormal_vector(),
-                        None,
-                    ),
+                    look_at(light.position, target, up, None),
                     rgb("intensity", light.intensity),
                     typed("float", "beam_width", beam),
                     typed("float", "cutoff_angle", outer),
@@ -391,11 +375,8 @@ impl MitsubaWriter<'_> {
             Form::Rectangle { corner, edges } if is_right_angled(edges) => {
                 let [u, v] = *edges;
                 let normal = u.cross(v).normalize();
-                let centre = corner + 0.5 * (u + v);
-                (
-                    "rectangle",
-                    vec![matrix([0.5 * u, 0.5 * v, normal, centre])],
-                )
+                let columns = [0.5 * u, 0.5 * v, normal, corner + 0.5 * (u + v)];
+                ("rectangle", vec![matrix(columns)])
             }
             Form::Rectangle { .. } => {
                 let corners = form.corners();
@@ -408,7 +389,7 @@ impl MitsubaWriter<'_> {
     }
 
     fn mesh(&mut self, vertices: &[DVec3], faces: &[[usize; 3]]) -> Vec<String> {
-        let file = self.meshes.ply(vertices, faces);
+        let file = self.files.ply(vertices, faces);
         vec![
             typed("string", "filename", file),
             typed("boolean", "face_normals", true),
@@ -418,27 +399,27 @@ impl MitsubaWriter<'_> {
 
 /// A medium, as it is in all channels or in one; `volume` is its density, if that varies.
 fn medium(id: &str, mixture: &Mixture, volume: &Option<String>, channel: Option<usize>) -> String {
-    let one = channel.unwrap_or(0);
-    let sigma_t = mixture.sigma_t()[one];
-    let albedo = match channel {
-        None => rgb("albedo", mixture.albedo()),
-        Some(channel) => typed("float", "albedo", mixture.albedo()[channel]),
+    let sigma_t = mixture.sigma_t()[channel.unwrap_or(0)];
+    let albedo = mixture.albedo();
+    let (albedo, weights) = match channel {
+        None => (rgb("albedo", albedo), mixture.weights().unwrap_or_default()),
+        Some(channel) => (
+            typed("float", "albedo", albedo[channel]),
+            mixture.weights_of(channel),
+        ),
     };
-    let weights = match channel {
-        None => mixture.weights().unwrap_or_default(),
-        Some(channel) => mixture.weights_of(channel),
+    let (kind, mut parts) = match volume {
+        None => ("homogeneous", vec![typed("float", "sigma_t", sigma_t)]),
+        Some(volume) => {
+            let scale = typed("float", "scale", sigma_t);
+            ("heterogeneous", vec![volume.clone(), scale])
+        }
     };
-    let mut parts = match volume {
-        None => vec![typed("float", "sigma_t", sigma_t)],
-        Some(volume) => vec![volume.clone(), typed("float", "scale", sigma_t)],
-    };
-    parts.push(albedo);
-    parts.push(typed("boolean", "has_spectral_extinction", false));
-    parts.push(phases(2, &mixture.parts, &weights));
-    let kind = match volume {
-        None => "homogeneous",
-        Some(_) => "heterogeneous",
-    };
+    parts.extend([
+        albedo,
+        typed("boolean", "has_spectral_extinction", false),
+        phases(2, &mixture.parts, &weights),
+    ]);
     element(1, "medium", kind, id, &parts)
 }
 
@@ -587,14 +568,7 @@ fn look_at(origin: DVec3, target: DVec3, up: DVec3, half_width: Option<f64>) -> 
 
 /// An affine map by its columns, the last of which is where the origin goes.
 fn matrix(columns: [DVec3; 4]) -> String {
-    let row = |axis: usize| {
-        let numbers = columns.map(|column| column[axis].to_string());
-        numbers.join(" ")
-    };
-    format!(
-        "<transform name=\"to_world\"><matrix value=\"{} {} {} 0 0 0 1\"/></transform>",
-        row(0),
-        row(1),
-        row(2)
-    )
+    let row = |axis: usize| columns.map(|column| column[axis].to_string()).join(" ");
+    let rows = [0, 1, 2].map(row).join(" ");
+    format!("<transform name=\"to_world\"><matrix value=\"{rows} 0 0 0 1\"/></transform>")
 }

@@ -1,6 +1,6 @@
 //! Mixtures: several media at one place.
 
-use crate::optics::{Homogeneous, Phase};
+use crate::optics::{Homogeneous, Phase, albedo};
 use glam::DVec3;
 
 /// Homogeneous media that add up.
@@ -49,12 +49,7 @@ impl Mixture {
 
     /// The share of extinction that scatters, by channel; 0 where there is no extinction.
     pub(super) fn albedo(&self) -> DVec3 {
-        let sigma_t = self.sigma_t();
-        let share = |channel: usize| match sigma_t[channel] {
-            0.0 => 0.0,
-            sigma_t => self.sigma_s[channel] / sigma_t,
-        };
-        DVec3::new(share(0), share(1), share(2))
+        albedo(self.sigma_s, self.sigma_t())
     }
 
     /// The share of every part in the scattering of a channel; all 0 where nothing scatters.

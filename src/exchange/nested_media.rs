@@ -205,12 +205,9 @@ fn nested_medium<'s>(
     let mut surfaces = contacts.surfaces.iter();
     let interface = surfaces.position(|surface| surface.form == form);
     if let Some(at) = interface
-        && let ExportSurface {
-            key,
-            kind: SurfaceKind::Light(_),
-            ..
-        } = &contacts.surfaces[at]
+        && let SurfaceKind::Light(_) = contacts.surfaces[at].kind
     {
+        let key = &contacts.surfaces[at].key;
         return Err(format!("its boundary is the surface of a light, {key}"));
     }
     let mut moved = false;

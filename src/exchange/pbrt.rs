@@ -242,9 +242,8 @@ impl PbrtWriter<'_, '_> {
             self.line(&format!("# {note}"));
         }
         if self.orders.depth == ENDLESS {
-            self.line(&format!(
-                "# Light scattered more than {ENDLESS} times is left out."
-            ));
+            let note = format!("# Light scattered more than {ENDLESS} times is left out.");
+            self.line(&note);
         }
         self.line("");
     }
@@ -272,10 +271,8 @@ impl PbrtWriter<'_, '_> {
                     y / along,
                 ];
                 let window = window.map(number).join(" ");
-                format!(
-                    "Camera \"perspective\" {} \"float screenwindow\" [ {window} ]",
-                    float("fov", 90.0)
-                )
+                let fov = float("fov", 90.0);
+                format!("Camera \"perspective\" {fov} \"float screenwindow\" [ {window} ]")
             }
             (None, None) => {
                 let fov = view.shorter_fov(panel.width, panel.height);
@@ -484,9 +481,9 @@ impl PbrtWriter<'_, '_> {
             Form::Rectangle { corner, edges } => {
                 let [u, v] = *edges;
                 let corners = [*corner, corner + u, corner + v, corner + u + v].map(listed);
+                let corners = corners.join("  ");
                 self.line(&format!(
-                    "    Shape \"bilinearmesh\" \"point3 P\" [ {} ]",
-                    corners.join("  ")
+                    "    Shape \"bilinearmesh\" \"point3 P\" [ {corners} ]"
                 ));
             }
             Form::Box { .. } => {

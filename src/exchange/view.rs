@@ -16,7 +16,8 @@ pub(super) struct ExportView {
     pub vertical_fov: f64,
     /// Height of the image of parallel rays, world units.
     pub orthographic_height: Option<f64>,
-    /// What an angle does not say: an image beside the axis, or pixels that are not square.
+    /// Focal lengths and centre, where an angle does not say them: an image beside the axis, or pixels that are not
+    /// square.
     pub intrinsics: Option<Intrinsics>,
 }
 

@@ -39,7 +39,7 @@ pub struct WriteError {
 /// [`WriteError`] names the file, what the operating system said and how to mend it. Missing
 /// directories are an error, not created.
 pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
-    match destination(path).map_err(failed("look at", path, KEPT))? {
+    match destination(path).map_err(untouched("look at", path))? {
         None => write_to_stream(path, bytes).map_err(failed("write to", path, "")),
         Some(target) => replace(path, &target, bytes),
     }
@@ -53,9 +53,9 @@ pub(crate) fn write_in_place_of(path: &Path, bytes: &[u8]) -> Result<(), WriteEr
 
 /// Replaces the file `target`, which messages call `path`.
 fn replace(path: &Path, target: &Path, bytes: &[u8]) -> Result<(), WriteError> {
-    golden_mark::check(target).map_err(failed("write", path, KEPT))?;
+    let failed = |action| untouched(action, path);
+    golden_mark::check(target).map_err(failed("write"))?;
     let directory = directory_of(target);
-    let failed = |action| failed(action, path, KEPT);
     let mut aside =
         partial_file::create(directory).map_err(failed("create a temporary file beside"))?;
     // By the file itself: tempfile's own writer puts the temporary name into an error.
@@ -72,11 +72,9 @@ fn replace(path: &Path, target: &Path, bytes: &[u8]) -> Result<(), WriteError> {
 
 const KEPT: &str = " (whatever was there before is untouched)";
 
-impl WriteError {
-    /// The failure of an action before anything was changed.
-    pub(crate) fn untouched(action: &'static str, path: &Path, cause: io::Error) -> WriteError {
-        failed(action, path, KEPT)(cause)
-    }
+/// The failure of an action before anything was changed.
+pub(crate) fn untouched(action: &'static str, path: &Path) -> impl FnOnce(io::Error) -> WriteError {
+    failed(action, path, KEPT)
 }
 
 fn failed(
@@ -147,16 +145,12 @@ pub(crate) fn sync_directory(directory: &Path) -> io::Result<()> {
         return Ok(());
     }
     match File::open(directory)?.sync_all() {
-        // Some network and user-space file systems do not know the operation.
-        Err(error)
-            if matches!(
-                error.kind(),
-                ErrorKind::InvalidInput | ErrorKind::Unsupported
-            ) =>
-        {
-            Ok(())
-        }
-        result => result,
+        Err(error) => match error.kind() {
+            // Some network and user-space file systems do not know the operation.
+            ErrorKind::InvalidInput | ErrorKind::Unsupported => Ok(()),
+            _ => Err(error),
+        },
+        done => done,
     }
 }
 

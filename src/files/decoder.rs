@@ -33,13 +33,11 @@ pub fn run<T>(decode: impl FnOnce() -> T) -> Result<T, Stopped> {
     let result = panic::catch_unwind(AssertUnwindSafe(decode));
     DECODING.set(outer);
     result.map_err(|payload| {
-        let text = payload
-            .downcast_ref::<&str>()
-            .map(|text| (*text).to_owned());
-        let text = text.or_else(|| payload.downcast_ref::<String>().cloned());
-        let text = text.unwrap_or_else(|| "it says nothing".to_owned());
+        let text = payload.downcast_ref::<&str>().copied();
+        let text = text.or_else(|| payload.downcast_ref::<String>().map(String::as_str));
         // The further lines of an assertion are its values.
-        let line = text.lines().next().unwrap_or_default();
+        let mut lines = text.unwrap_or("it says nothing").lines();
+        let line = lines.next().unwrap_or_default();
         Stopped(line.chars().take(MOST_LETTERS).collect())
     })
 }

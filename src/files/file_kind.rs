@@ -76,7 +76,7 @@ macro_rules! kinds {
 
 use Mark::{At, Markup};
 
-/// What stands in a file in place of its content, with the remedy: no reader is meant to have it.
+/// Files that stand in place of the content, each with the remedy: no reader is meant to see them.
 const STAND_INS: [FileKind; 3] = kinds! {
     "a pointer of Git LFS", [], [At(0, b"version https://git-lfs.github.com/spec/")],
         Some("run `git lfs pull` (in GitHub Actions: `lfs: true`)");
@@ -130,7 +130,7 @@ const KINDS: [FileKind; 31] = kinds! {
     "a PDF document", [".pdf"], [At(0, b"%PDF")], None;
 };
 
-/// What stands in a file that begins with `first` in place of its content, and the remedy.
+/// If a file that begins with `first` holds something in place of its content: what it is, and the remedy.
 pub fn stand_in(first: &[u8]) -> Option<String> {
     let kind = known(&STAND_INS, first)?;
     let remedy = kind.as_volume.unwrap_or_default();

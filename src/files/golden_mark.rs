@@ -1,5 +1,4 @@
-//! What tells a golden from any other file: the provenance beside it. Only `volref accept` changes goldens, in whatever
-//! folder they are.
+//! Recognises goldens by the provenance beside them. Only `volref accept` changes goldens, in whatever folder they are.
 
 use super::file_kind::stand_in;
 use super::regular_file;
@@ -15,14 +14,9 @@ const MARK: &str = "schema = \"volref/golden/";
 /// Folder of the sensitivities among the goldens, whose provenance is that of the image.
 const SENSITIVITIES: &str = "sensitivities";
 
-/// True if the file at `path` is a golden: an image, its preview, its provenance or its sensitivities.
-pub(crate) fn is_golden(path: &Path) -> bool {
-    path.exists() && (has_mark(&path.with_extension("toml")) || is_sensitivity(path))
-}
-
-/// Fails if the file at `path` is a golden.
+/// Fails if the file at `path` is a golden: an image, its preview, its provenance or its sensitivities.
 pub(crate) fn check(path: &Path) -> io::Result<()> {
-    if is_golden(path) {
+    if path.exists() && (has_mark(&path.with_extension("toml")) || is_sensitivity(path)) {
         return Err(io::Error::other(
             "it is a golden, and only `volref accept` changes goldens: choose another place",
         ));

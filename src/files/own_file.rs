@@ -1,7 +1,7 @@
 //! Files and folders that volref names itself, within a suite, a cache or a folder for outputs. A link, a pipe
 //! or anything else in their place is refused: neither followed nor waited for.
 
-use super::atomic_file::{WriteError, write_in_place_of};
+use super::atomic_file::{WriteError, untouched, write_in_place_of};
 use super::golden_mark;
 use std::fs;
 use std::io::{self, ErrorKind};
@@ -25,7 +25,7 @@ fn in_folder(folder: &Path) -> impl Fn(io::Error) -> io::Error {
 /// Replaces the file at `path` by `bytes`, or creates it, whole or not at all. The stricter sibling of
 /// [`write_atomically`](crate::files::atomic_file::write_atomically), which follows links and writes into pipes.
 pub(crate) fn write(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
-    check(path).map_err(|cause| WriteError::untouched("write", path, cause))?;
+    check(path).map_err(untouched("write", path))?;
     write_in_place_of(path, bytes)
 }
 

@@ -1,5 +1,5 @@
 //! Reads regular files only, never beyond a size limit, and remembers which ones, so that no output
-//! is written over an input. What stands in place of a file, such as a pointer of Git LFS, is told as such.
+//! is written over an input. Where something stands in place of a file, such as a pointer of Git LFS, the error says so.
 
 use super::file_kind::{HEAD, stand_in};
 use std::collections::HashSet;
@@ -98,16 +98,12 @@ fn open_unnoted(path: &Path) -> Result<(File, Metadata), ReadError> {
 
 /// Fails where no regular file is at `path`. Called before opening, as opening a named pipe waits
 /// for its other end.
-pub fn check_kind(path: &Path) -> Result<(), ReadError> {
-    let metadata = std::fs::metadata(path).map_err(ReadError::of)?;
-    if metadata.is_file() {
-        return Ok(());
+fn check_kind(path: &Path) -> Result<(), ReadError> {
+    match std::fs::metadata(path).map_err(ReadError::of)? {
+        found if found.is_file() => Ok(()),
+        found if found.is_dir() => Err(ReadError::NotAFile("a directory")),
+        _ => Err(ReadError::NotAFile("a device or pipe")),
     }
-    Err(ReadError::NotAFile(if metadata.is_dir() {
-        "a directory"
-    } else {
-        "a device or pipe"
-    }))
 }
 
 /// All bytes of a regular file that has at most `most` of them.

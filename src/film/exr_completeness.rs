@@ -49,13 +49,9 @@ pub(super) fn check_blocks(bytes: &[u8]) -> Result<(), FilmError> {
     if missing.is_empty() {
         return Ok(());
     }
-    Err(FilmError::unreadable(
-        "EXR",
-        format!(
-            "of its {expected} blocks of pixels, {} are missing",
-            missing.len()
-        ),
-    ))
+    let missing = missing.len();
+    let reason = format!("of its {expected} blocks of pixels, {missing} are missing");
+    Err(FilmError::unreadable("EXR", reason))
 }
 
 /// Index of the block in its part.

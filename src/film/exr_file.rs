@@ -31,8 +31,6 @@ impl Film {
     /// noise, the variances of the means as layer `variance` and the number of samples as layer
     /// `samples`.
     pub fn to_exr(&self) -> Result<Vec<u8>, FilmError> {
-        let channel =
-            |name: &str, values: Vec<f32>| AnyChannel::new(name, FlatSamples::F32(values));
         let colour = |c: usize| self.radiance().iter().map(|pixel| pixel[c]).collect();
         let mut channels = vec![
             channel("R", colour(0)),
@@ -88,6 +86,11 @@ impl Film {
     }
 }
 
+/// A channel of these values.
+pub(super) fn channel(name: &str, values: Vec<f32>) -> AnyChannel<FlatSamples> {
+    AnyChannel::new(name, FlatSamples::F32(values))
+}
+
 /// A part of a file.
 pub(super) fn part(
     [width, height]: [usize; 2],
@@ -102,7 +105,7 @@ pub(super) fn part(
     )
 }
 
-/// The file of these parts; of several, each has a name.
+/// The file of these parts. Where there are several, each has a name.
 pub(super) fn written_parts(
     parts: Vec<Layer<AnyChannels<FlatSamples>>>,
 ) -> Result<Vec<u8>, FilmError> {
@@ -207,7 +210,7 @@ fn noise(colours: &Colours) -> Result<Option<Noise>, FilmError> {
     Ok(Some(Noise::of_samples(pixels([r, g, b]), count(samples)?)))
 }
 
-/// Position of an image's pixels among those of a part of its file.
+/// Where the pixels of an image lie among the pixels of a part of its file.
 struct PixelWindow {
     /// Columns and rows of the image.
     size: [usize; 2],

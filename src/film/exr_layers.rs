@@ -75,18 +75,10 @@ impl<'f> Group<'f> {
         luminance.map(|y| [y; 3])
     }
 
-    fn has_chroma(&self) -> bool {
-        ["RY", "BY"].iter().any(|name| self.channel(name).is_some())
-    }
-
     /// The last part of its name, in small letters.
     fn last_name(&self) -> String {
         let last = self.name.rsplit('.').next().unwrap_or("");
         last.to_ascii_lowercase()
-    }
-
-    fn is_noise(&self) -> bool {
-        NOISE.contains(&self.name.as_str())
     }
 }
 
@@ -121,11 +113,12 @@ fn groups(file: &ExrParts) -> Vec<Group<'_>> {
 /// The layer of the image.
 pub(super) fn main_layer(file: &ExrParts) -> Result<Colours<'_>, FilmError> {
     let mut groups = groups(file);
-    groups.retain(|group| !group.is_noise());
+    groups.retain(|group| !NOISE.contains(&group.name.as_str()));
     if let Some(colours) = the_one(&groups, Group::rgb)? {
         return Ok(colours);
     }
-    if groups.iter().any(Group::has_chroma) {
+    let has = |name| groups.iter().any(|group| group.channel(name).is_some());
+    if has("RY") || has("BY") {
         return Err(FilmError::unsuited(
             "this EXR holds luminance and chroma (Y, RY, BY)",
             "write R, G and B",
@@ -179,12 +172,9 @@ fn the_one<'f>(
         "" => "one without a name".to_owned(),
         name => name.to_owned(),
     };
-    let names: Vec<String> = with_colours.iter().map(name).collect();
+    let names = with_colours.iter().map(name).collect::<Vec<_>>().join(", ");
     Err(FilmError::unsuited(
-        format!(
-            "several layers have colours, and none is the main one: {}",
-            names.join(", ")
-        ),
+        format!("several layers have colours, and none is the main one: {names}"),
         "write one of them without a name, or call it rgba, beauty or combined",
     ))
 }

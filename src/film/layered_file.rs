@@ -1,7 +1,7 @@
 //! Several images in one EXR file, each as a layer. Values are rounded to their noise, which makes
 //! files of derivatives ten times smaller.
 
-use super::exr_file::{part, pixels, read_file, written_parts};
+use super::exr_file::{channel, part, pixels, read_file, written_parts};
 use super::exr_layers::samples_of;
 use super::noise::rounded_to;
 use super::{Film, FilmError};
@@ -16,7 +16,7 @@ const BITS_BELOW_ERROR: i32 = 2;
 /// Significant bits of a value, at least and at most.
 const BITS: [i32; 2] = [3, 14];
 
-/// Between the name of a layer and those of the channels with its standard errors.
+/// Part of a channel's name, behind the name of the layer, that marks standard errors.
 const ERROR: &str = "error";
 
 /// Images, each with a name, a mean and standard errors.
@@ -108,14 +108,10 @@ fn channels(name: &str, film: &Film) -> Vec<AnyChannel<FlatSamples>> {
         };
         let means = film.radiance().iter().zip(&errors);
         let means = means.map(|(mean, &error)| rounded(mean[c], error));
-        let mut add = |name: String, values: Vec<f32>| {
-            channels.push(AnyChannel::new(name.as_str(), FlatSamples::F32(values)));
-        };
-        add(format!("{name}.{letter}"), means.collect());
-        let errors = errors
-            .iter()
-            .map(|&error| rounded_to(BITS_OF_ERRORS, error));
-        add(format!("{name}.{ERROR}.{letter}"), errors.collect());
+        channels.push(channel(&format!("{name}.{letter}"), means.collect()));
+        let errors = errors.iter().map(|&it| rounded_to(BITS_OF_ERRORS, it));
+        let name = format!("{name}.{ERROR}.{letter}");
+        channels.push(channel(&name, errors.collect()));
     }
     channels
 }

@@ -145,8 +145,8 @@ impl Film {
         })
     }
 
-    /// This image as one of known radiances, which is compared with means of samples: its noise is
-    /// zero in every pixel, as of [`u32::MAX`] samples. For comparisons, not for files.
+    /// This image with a noise of zero in every pixel, as of [`u32::MAX`] samples, so that means of
+    /// samples can be compared with its known radiances. Files do not keep that.
     pub fn known(self) -> Film {
         Film {
             noise: Some(Noise::none(self.radiance.len())),
@@ -237,7 +237,7 @@ impl Film {
         mean.is_finite().then_some(mean)
     }
 
-    /// Films of one size, in which every value is a number.
+    /// True if both films have one size and every value is finite.
     pub(crate) fn is_comparable(&self, other: &Film) -> bool {
         let size = |film: &Film| (film.width(), film.height());
         let is_number = |film: &Film| film.radiance.as_flattened().iter().all(|x| x.is_finite());
@@ -288,14 +288,11 @@ impl Film {
         } else if !depth.radiance.iter().all(is_grey) {
             "depths are one number a pixel, of the shape (height, width), and this is a picture"
         } else {
-            ""
+            let depths = depth.radiance.iter().map(|of| of[0]).collect();
+            return Ok(self.with_depth(depths));
         };
-        if !fault.is_empty() {
-            let message = format!("the depth of the image cannot be read: {fault}");
-            return Err(FilmError(message));
-        }
-        let depths = depth.radiance.iter().map(|of| of[0]).collect();
-        Ok(self.with_depth(depths))
+        let message = format!("the depth of the image cannot be read: {fault}");
+        Err(FilmError(message))
     }
 
     /// Samples per pixel, of all renderings together; `None` if neither the image nor its caller

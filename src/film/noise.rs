@@ -52,7 +52,7 @@ impl Noise {
         self.samples
     }
 
-    /// Whether those values are whole renderings without a sample count.
+    /// Whether these values are whole renderings without a sample count.
     pub fn is_of_renderings(&self) -> bool {
         self.origin == NoiseOrigin::Renderings
     }

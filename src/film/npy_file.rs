@@ -178,10 +178,8 @@ impl NpyHeader {
             });
         let keys = ValueDeserializer::parse(&toml).and_then(Keys::deserialize);
         let keys = keys.map_err(|error| {
-            unreadable(format!(
-                "its header is not that of an array: {}",
-                error.message()
-            ))
+            let message = error.message();
+            unreadable(format!("its header is not that of an array: {message}"))
         })?;
         let toml::Value::String(descr) = keys.descr else {
             return Err(FilmError::unsuited(

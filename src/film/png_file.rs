@@ -83,12 +83,9 @@ fn read(bytes: &[u8]) -> Result<(usize, usize, Vec<[u8; 3]>), FilmError> {
     let image = image.into_rgba16();
     let mut pixels = image.pixels();
     if let Some(index) = pixels.position(|pixel| pixel.0[3] < u16::MAX) {
+        let (column, row) = (index % width, index / width);
         return Err(FilmError::unsuited(
-            format!(
-                "the pixel ({}, {}) is transparent",
-                index % width,
-                index / width
-            ),
+            format!("the pixel ({column}, {row}) is transparent"),
             "composite the image over the background of the scene in linear light, before it is \
              encoded as sRGB (codes that are mixed or premultiplied are other colours), or write \
              linear, premultiplied radiance as .exr",
@@ -104,19 +101,15 @@ fn read(bytes: &[u8]) -> Result<(usize, usize, Vec<[u8; 3]>), FilmError> {
 
 /// The error for a file that a crate refuses.
 fn damaged(error: impl Display) -> FilmError {
-    FilmError::unreadable(
-        "PNG",
-        format!("it is broken ({error}): copy it or write it again"),
-    )
+    let reason = format!("it is broken ({error}): copy it or write it again");
+    FilmError::unreadable("PNG", reason)
 }
 
 /// Fails if the file is not a single image of sRGB codes.
 fn check_meaning(info: &png::Info) -> Result<(), FilmError> {
     if info.animation_control.is_some() {
-        return Err(FilmError::unsuited(
-            "this PNG is animated",
-            "write a single image",
-        ));
+        let what = "this PNG is animated";
+        return Err(FilmError::unsuited(what, "write a single image"));
     }
     match other_codes(info) {
         Some(what) => Err(FilmError::unsuited(

@@ -73,13 +73,8 @@ impl fmt::Display for Bits {
 impl Bits {
     /// Bits that were `given` for images, beside those of a profile, which alone says how values were blended.
     pub(crate) fn of(given: Option<Bits>, of_profile: Option<Bits>) -> Option<Bits> {
-        match (given, of_profile) {
-            (Some(given), Some(of_profile)) => Some(Bits {
-                blended: of_profile.blended,
-                ..given
-            }),
-            (given, of_profile) => given.or(of_profile),
-        }
+        let blended = of_profile.is_some_and(|bits| bits.blended);
+        given.map(|given| Bits { blended, ..given }).or(of_profile)
     }
 
     /// Codes of a curve that nobody stated.
@@ -88,26 +83,22 @@ impl Bits {
         blended: false,
     };
 
-    /// Quantisation of `film`, radiance from a linear file: by codes at no exposure or at `exposure` stops,
-    /// whichever all its values are.
+    /// Quantisation of `film`, radiance from a linear file: the first curve, at no exposure or at `exposure` stops,
+    /// by which all its values are codes.
+    ///
+    /// Values of a mean of several renderings, and values blended from codes, are no codes themselves: the curve is
+    /// then the declared one, or linear.
     ///
     /// # Errors
     ///
-    /// Where they are neither: nothing was rounded that half a code could excuse. A mean of several renderings and what
-    /// was blended from codes is none; such are taken for linear ones unless declared otherwise.
+    /// If some values of any other image are no codes: they were not rounded, and half a code excuses nothing.
     pub fn of_radiance(self, film: &Film, exposure: f64) -> Result<Quantisation, String> {
-        let curves = candidates(exposure)
+        let curves = candidates(Origin::Declared, self.blended, exposure)
             .filter(|found| self.encoding.is_none_or(|of| of == found.encoding));
-        let origin = Origin::Declared;
         let mut faults = Vec::new();
         for found in curves {
             let Some(at) = found.no_code(film) else {
-                let blended = self.blended;
-                return Ok(Quantisation {
-                    origin,
-                    blended,
-                    ..found
-                });
+                return Ok(found);
             };
             faults.push((at, found));
         }
@@ -192,19 +183,14 @@ impl Quantisation {
     /// with so many values that this is no chance.
     pub fn recognised(film: &Film, exposure: f64) -> Option<Quantisation> {
         let are_many = |it: &Quantisation| it.levels(film).is_some_and(|n| n >= FEWEST_VALUES);
-        candidates(exposure).find(are_many)
+        candidates(Origin::Recognised, false, exposure).find(are_many)
     }
 
     /// Number of different codes in `film`; `None` if a value is no code.
     fn levels(&self, film: &Film) -> Option<usize> {
-        let (mut values, mut levels) = (BTreeSet::new(), BTreeSet::new());
-        for value in film.radiance().as_flattened() {
-            if !values.insert(value.to_bits()) {
-                continue;
-            }
-            levels.insert(self.level(*value)?);
-        }
-        Some(levels.len())
+        let values = film.radiance().as_flattened().iter();
+        let levels: Option<BTreeSet<u8>> = values.map(|&value| self.level(value)).collect();
+        levels.map(|levels| levels.len())
     }
 
     /// The code of `value`, if it is one.
@@ -215,13 +201,13 @@ impl Quantisation {
         is_code.then_some(level as u8)
     }
 
-    /// Place of the first value of `film` that is no code. Values that are not finite are judged as such.
+    /// Place of the first finite value of `film` that is no code. The gates judge values that are not finite.
     fn no_code(&self, film: &Film) -> Option<usize> {
         let mut values = film.radiance().as_flattened().iter();
         values.position(|&value| value.is_finite() && self.level(value).is_none())
     }
 
-    /// Sentence on the value at `index` of all values of `film`, which is no code.
+    /// A sentence that says which value of `film`, at `index` of all its values, is no code.
     fn no_code_in_words(&self, index: usize, film: &Film) -> String {
         let value = film.radiance().as_flattened()[index];
         let (pixel, channel) = (index / CHANNELS.len(), CHANNELS[index % CHANNELS.len()]);
@@ -257,7 +243,8 @@ impl Quantisation {
         self.radiance(LARGEST)
     }
 
-    /// Radiances that round to that of `value`; all from half a code below the largest on round to that.
+    /// The least and the largest radiance that round to the code of `value`; infinite for the largest code, which
+    /// holds all that is brighter.
     fn interval(&self, value: f64) -> [f64; 2] {
         let code = self.code(value);
         // A value above the largest code was not rounded to it.
@@ -265,27 +252,23 @@ impl Quantisation {
             return [value; 2];
         }
         let level = code.round();
-        let code = if (code - level).abs() <= OF_A_CODE {
-            level
-        } else {
-            code
-        };
+        let is_code = (code - level).abs() <= OF_A_CODE;
+        let code = if is_code { level } else { code };
         let hidden = self.hidden() + SINGLE_PRECISION;
-        let most = if code + hidden > LARGEST {
-            f64::INFINITY
-        } else {
-            self.radiance(code + hidden)
+        let most = match code + hidden {
+            beyond if beyond > LARGEST => f64::INFINITY,
+            most => self.radiance(most),
         };
         [self.radiance(code - hidden), most]
     }
 
-    /// Largest difference that rounding makes, in codes: half of one for each of colour, opacity and sum, none of
-    /// which counts more than once in a sum.
+    /// Largest difference that rounding makes, in codes: half a code; of blended values half a code each for colour,
+    /// opacity and sum.
     fn hidden(&self) -> f64 {
         if self.blended { 1.5 } else { 0.5 }
     }
 
-    /// Half the width of the code of a radiance; of blended values one and a half times its width.
+    /// Largest difference that rounding makes at this radiance.
     pub(crate) fn half_code(&self, radiance: f64) -> f64 {
         let code = self.code(radiance).clamp(0.0, LARGEST);
         self.hidden() * (self.radiance(code + 0.5) - self.radiance(code - 0.5))
@@ -310,14 +293,14 @@ impl Quantisation {
             .collect()
     }
 
-    /// `film`, of these codes, with them taken for those of another curve.
+    /// `film`, whose values are these codes, as if the codes followed another curve.
     pub(crate) fn read_as(self, encoding: Encoding, film: &Film) -> Film {
         let other = Quantisation { encoding, ..self };
         other.decoded(film.width(), film.height(), &self.codes(film))
     }
 
-    /// `film`, of these codes, as one whose values were rounded down to them: a code is half a code too dark.
-    /// `None` where that is not what nearly all of them are of `golden`, of the same size.
+    /// `film` half a code brighter, if nearly all its codes are those of `golden`, of the same size, rounded down in
+    /// place of to the nearest; else `None`.
     pub(crate) fn rounded_down(self, golden: &Film, film: &Film) -> Option<Film> {
         let values = [golden, film].map(|film| film.radiance().as_flattened().iter());
         let [exact, codes] = values.map(|them| them.map(|&value| self.code(value.into())));
@@ -346,8 +329,8 @@ impl Quantisation {
         })
     }
 
-    /// `film`, of whole numbers from 0 to 255, divided by 255, and as sRGB codes; `None` of one with other values,
-    /// or with so few that they may be radiance.
+    /// `film` divided by 255, and as sRGB codes, if its values are whole numbers from 0 to 255; `None` if others are
+    /// among them, or so few different ones that they may be radiance.
     pub(crate) fn of_whole_numbers(film: &Film) -> Option<[Film; 2]> {
         let is_code = |value: &f32| value.fract() == 0.0 && (0.0..=255.0).contains(value);
         if !film.radiance().as_flattened().iter().all(is_code) {
@@ -368,7 +351,7 @@ impl Quantisation {
         self.decoded(film.width(), film.height(), &self.codes(film))
     }
 
-    /// True of a pixel of which a channel is above the largest code.
+    /// True if a channel of `pixel` is above the largest code.
     pub(crate) fn cuts_off(&self, pixel: [f32; 3]) -> bool {
         pixel
             .into_iter()
@@ -395,13 +378,13 @@ impl fmt::Display for Quantisation {
     }
 }
 
-/// Quantisations that images have.
-fn candidates(exposure: f64) -> impl Iterator<Item = Quantisation> {
-    let of = |encoding, exposure| Quantisation {
+/// Quantisations that images have: by either curve, at no exposure and at `exposure` stops.
+fn candidates(origin: Origin, blended: bool, exposure: f64) -> impl Iterator<Item = Quantisation> {
+    let of = move |encoding, exposure| Quantisation {
         encoding,
         exposure,
-        origin: Origin::Recognised,
-        blended: false,
+        origin,
+        blended,
     };
     [0.0, exposure]
         .into_iter()
@@ -465,7 +448,7 @@ mod tests {
     #[test]
     fn codes_are_recognised_and_what_is_none_is_not() {
         for exposure in [0.0, 1.5] {
-            for made in candidates(exposure) {
+            for made in candidates(Origin::Recognised, false, exposure) {
                 let film = made.rounded(&golden());
                 assert_eq!(Quantisation::recognised(&film, exposure), Some(made));
                 let half = mapped(&film, |x| f16::from_f32(x).to_f32());
@@ -513,7 +496,7 @@ mod tests {
     #[test]
     fn a_rounded_image_is_as_near_as_its_codes_allow() {
         let golden = golden();
-        for made in candidates(1.0) {
+        for made in candidates(Origin::Recognised, false, 1.0) {
             let test = made.rounded(&golden);
             assert_eq!(test.nearest_to(&golden).radiance(), golden.radiance());
             let brighter = made.rounded(&mapped(&golden, |x| 1.1 * x));

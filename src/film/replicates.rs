@@ -29,13 +29,8 @@ impl Film {
             .map(|film| Some(film.noise()?.samples))
             .collect();
         let is_of_renderings = counts.is_none();
-        let (numbers, parts) = match counts {
-            Some(counts) => {
-                let total = counts.iter().map(|&count| u64::from(count)).sum::<u64>();
-                (u32::try_from(total).unwrap_or(u32::MAX), counts)
-            }
-            None => (films.len() as u32, vec![1; films.len()]),
-        };
+        let parts = counts.unwrap_or(vec![1; films.len()]);
+        let numbers = parts.iter().fold(0_u32, |sum, &it| sum.saturating_add(it));
         let (radiance, variance) = (0..first.radiance.len())
             .map(|index| pooled_pixel(films, &parts, index))
             .unzip();

@@ -34,6 +34,21 @@ pub struct Line {
     pub direction: DVec3,
 }
 
+impl Line {
+    /// Position at `t`.
+    pub fn at(&self, t: f64) -> DVec3 {
+        self.origin + self.direction * t
+    }
+
+    /// The same line, with its origin at `t`.
+    pub(crate) fn starting_at(&self, t: f64) -> Line {
+        Line {
+            origin: self.at(t),
+            direction: self.direction,
+        }
+    }
+}
+
 impl From<&Ray> for Line {
     #[inline]
     fn from(ray: &Ray) -> Line {

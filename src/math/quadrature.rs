@@ -73,22 +73,13 @@ struct QuadraturePiece {
 }
 
 fn total(pieces: &[QuadraturePiece]) -> Integral {
-    let mut sums = [Sum::default(); 4];
-    for QuadraturePiece { integral, .. } in pieces {
-        let terms = [
-            integral.value.x,
-            integral.value.y,
-            integral.value.z,
-            integral.error,
-        ];
-        for (sum, term) in sums.iter_mut().zip(terms) {
-            sum.add(term);
-        }
-    }
-    let [x, y, z, error] = sums.map(|sum| sum.value());
+    let sum = |part: &dyn Fn(&Integral) -> f64| {
+        let parts: Sum = pieces.iter().map(|piece| part(&piece.integral)).collect();
+        parts.value()
+    };
     Integral {
-        value: DVec3::new(x, y, z),
-        error,
+        value: DVec3::from_array([0, 1, 2].map(|channel| sum(&|it| it.value[channel]))),
+        error: sum(&|it| it.error),
     }
 }
 

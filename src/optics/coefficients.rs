@@ -50,15 +50,13 @@ impl Coefficients {
 
     /// The fraction of extinction that scatters, in [0, 1]; 0 without extinction.
     pub fn albedo(&self) -> DVec3 {
-        let sigma_t = self.sigma_t();
-        DVec3::from_array(std::array::from_fn(|channel| {
-            // A sum of numbers that are not negative is 0 only if both are.
-            if sigma_t[channel] == 0.0 {
-                return 0.0;
-            }
-            self.sigma_s[channel] / sigma_t[channel]
-        }))
+        albedo(self.sigma_s, self.sigma_t())
     }
+}
+
+/// The share of `sigma_s` in the extinction, by channel; 0 without extinction.
+pub(crate) fn albedo(sigma_s: DVec3, sigma_t: DVec3) -> DVec3 {
+    DVec3::select(sigma_t.cmpeq(DVec3::ZERO), DVec3::ZERO, sigma_s / sigma_t)
 }
 
 /// The channel by which a distance is sampled, chosen by `u`, uniform in [0, 1), in proportion to

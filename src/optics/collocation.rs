@@ -79,14 +79,8 @@ pub struct Collocation {
 }
 
 impl Default for Collocation {
-    fn default() -> Collocation {
-        Collocation::new()
-    }
-}
-
-impl Collocation {
     /// With its table of integrals.
-    pub fn new() -> Collocation {
+    fn default() -> Collocation {
         let mut up_to = [[0.0; N]; N];
         for j in 0..N {
             let polynomial = lagrange(j);
@@ -96,7 +90,9 @@ impl Collocation {
         }
         Collocation { up_to }
     }
+}
 
+impl Collocation {
     /// Light between the first and the last of `cuts`, which rise; between two of them `at` is
     /// smooth, if possible. An element is halved until its share of the error, in radiance and in
     /// depth, is at most `tolerance`.
@@ -321,7 +317,7 @@ mod tests {
 
     #[test]
     fn the_smooth_test_ray() {
-        let light = Collocation::new().light(&[0.0, 2.0], 1e-15, smooth);
+        let light = Collocation::default().light(&[0.0, 2.0], 1e-15, smooth);
         assert!((light.depth - 4.751_743_965_520_435).abs() < 1e-14);
         assert!((light.radiance.x - 0.338_236_980_254_304_8).abs() < 1e-15);
         assert!(light.radiance_error < 1e-13, "{light:?}");
@@ -331,7 +327,7 @@ mod tests {
     #[test]
     fn the_bound_bounds() {
         for tolerance in [1e-3, 1e-6, 1e-9, 1e-12] {
-            let light = Collocation::new().light(&[0.0, 2.0], tolerance, smooth);
+            let light = Collocation::default().light(&[0.0, 2.0], tolerance, smooth);
             let error = (light.radiance.x - 0.338_236_980_254_304_8).abs();
             // Sums of some hundred terms of size 1 round by as many units of 1e-16.
             assert!(
@@ -344,7 +340,7 @@ mod tests {
     #[test]
     fn a_uniform_source() {
         let uniform = |_| LocalProperties::with_source(3.0, DVec3::new(1.0, 2.0, 0.0));
-        let light = Collocation::new().light(&[0.0, 1.0, 2.0], 1e-13, uniform);
+        let light = Collocation::default().light(&[0.0, 1.0, 2.0], 1e-13, uniform);
         let seen = -crate::math::exp_m1(-6.0);
         assert!((light.radiance - DVec3::new(seen, 2.0 * seen, 0.0)).length() < 1e-13);
         assert!((light.depth - 6.0).abs() < 1e-14);
@@ -355,7 +351,7 @@ mod tests {
         let jump = |t: f64| {
             LocalProperties::with_source(if t < 1.0 / 3.0 { 2.0 } else { 0.2 }, DVec3::ONE)
         };
-        let light = Collocation::new().light(&[0.0, 1.0], 1e-12, jump);
+        let light = Collocation::default().light(&[0.0, 1.0], 1e-12, jump);
         let depth = 2.0 / 3.0 + 0.2 * 2.0 / 3.0;
         assert!((light.depth - depth).abs() < 1e-11, "{light:?}");
         let wall = |t: f64| {
@@ -365,7 +361,7 @@ mod tests {
                 LocalProperties::with_source(f64::INFINITY, DVec3::splat(5.0))
             }
         };
-        let light = Collocation::new().light(&[0.0, 1.0], 1e-12, wall);
+        let light = Collocation::default().light(&[0.0, 1.0], 1e-12, wall);
         let transmittance = exp(-0.35);
         let right = 1.0 - transmittance + 5.0 * transmittance;
         assert!((light.radiance.x - right).abs() < 1e-11, "{light:?}");

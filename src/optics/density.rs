@@ -1,8 +1,7 @@
 //! Densities of heterogeneous media.
 
-use super::density_line::DensityLine;
 use super::profiles::{ExponentialProfile, GaussianProfile, LinearProfile};
-use crate::geometry::{Aabb, Ray, Span, Transform, forward};
+use crate::geometry::{Aabb, Line, Ray, Span, Transform, forward};
 use crate::volume::{
     Blob, Blocks, DensityField, DensityRange, ExponentialLayer, FractalDensity, GridDensity,
     LinearRamp, Walk,
@@ -123,14 +122,8 @@ impl Density {
     }
 
     fn made_blocks(&self) -> Blocks {
-        let (counts, size) = self.division();
-        Blocks::of(&self.field, self.bounds, counts, size)
-    }
-
-    /// Number of blocks along each axis, and their edges.
-    fn division(&self) -> ([usize; 3], DVec3) {
         if let Field::Grid(grid) = &self.field {
-            return grid.division();
+            return grid.blocks();
         }
         let size = self.bounds.size();
         let edge = size.max_element() / BLOCKS;
@@ -138,9 +131,8 @@ impl Density {
         let counts = (size / edge)
             .ceil()
             .clamp(DVec3::ONE, DVec3::splat(BLOCKS + 1.0));
-        let counts = counts.to_array().map(|count| count as usize);
-        let size = DVec3::from_array(std::array::from_fn(|axis| size[axis] / counts[axis] as f64));
-        (counts, size)
+        let whole = counts.to_array().map(|count| count as usize);
+        Blocks::of(&self.field, self.bounds, whole, size / counts)
     }
 
     /// A single number in place of the density: above 0 if any density is.
@@ -182,26 +174,23 @@ impl Density {
 
     /// A world ray in the coordinates of the field, and the part of `span`, a segment of the ray,
     /// in the box of the field; `None` if there is none.
-    pub fn along(&self, ray: &Ray, span: Span) -> Option<(DensityLine, Span)> {
+    pub fn along(&self, ray: &Ray, span: Span) -> Option<(Line, Span)> {
         let (ray, scale) = match &self.to_world {
             Some(to_world) => to_world.ray_to_object(ray)?,
             None => (*ray, 1.0),
         };
         let inside = self.bounds.span(&ray)?;
-        let line = DensityLine {
+        let line = Line {
             origin: ray.origin,
             direction: ray.direction * scale,
         };
-        let span = Span::new(
-            span.near.max(inside.near / scale),
-            span.far.min(inside.far / scale),
-        );
+        let span = span.within(Span::new(inside.near / scale, inside.far / scale));
         (span.near < span.far).then_some((line, span))
     }
 
     /// The blocks that `line` passes over `span`, which is in the box.
-    pub fn walk(&self, line: &DensityLine, span: Span) -> Walk {
-        self.blocks().walk(line.origin, line.direction, span)
+    pub fn walk(&self, line: &Line, span: Span) -> Walk {
+        self.blocks().walk(line, span)
     }
 
     /// Has an integral along lines: [`Density::integral`].
@@ -215,15 +204,14 @@ impl Density {
     /// # Panics
     ///
     /// If the field is not [integrable](Density::is_integrable).
-    pub fn integral(&self, line: &DensityLine, span: Span, lookups: &mut u64) -> f64 {
-        let DensityLine { origin, direction } = *line;
+    pub fn integral(&self, line: &Line, span: Span, lookups: &mut u64) -> f64 {
         match &self.field {
             Field::Noise(_) => panic!("noise has no integral"),
             // From the denser end on: downwards the density may grow out of nothing to all there is.
             Field::Exponential(layer) => {
-                let mut from = line.from(span.near);
+                let mut from = line.starting_at(span.near);
                 if ExponentialProfile::along(&from, layer).rate < 0.0 {
-                    from = DensityLine {
+                    from = Line {
                         origin: line.at(span.far),
                         direction: -line.direction,
                     };
@@ -232,15 +220,15 @@ impl Density {
                 profile.optical_depth(0.0, span.length())
             }
             Field::Linear(ramp) => {
-                let profile = LinearProfile::along(&line.from(span.near), ramp);
+                let profile = LinearProfile::along(&line.starting_at(span.near), ramp);
                 let positive = profile.positive_part(0.0, span.length());
                 positive.map_or(0.0, |(near, far)| profile.optical_depth(near, far))
             }
-            Field::Grid(grid) => grid.integral(origin, direction, span, lookups),
+            Field::Grid(grid) => grid.integral(*line, span, lookups),
             Field::Blob(blob) => {
                 let (centre, width) = blob_along(blob, line);
                 let profile = GaussianProfile {
-                    peak: blob.density(origin + direction * centre),
+                    peak: blob.density(line.at(centre)),
                     centre,
                     width,
                 };
@@ -251,14 +239,14 @@ impl Density {
 
     /// Appends the points on `line`, over `span`, between which a rule of few points sees all of
     /// the density: at its kinks, and where it falls almost to 0.
-    pub(crate) fn append_kinks(&self, line: &DensityLine, span: Span, kinks: &mut Vec<f64>) {
+    pub(crate) fn append_kinks(&self, line: &Line, span: Span, kinks: &mut Vec<f64>) {
         match &self.field {
             Field::Grid(grid) => {
-                let pieces = grid.smooth_segments(line.origin, line.direction, span);
+                let pieces = grid.smooth_segments(*line, span);
                 kinks.extend(pieces.map(|piece| piece.far));
             }
             Field::Linear(ramp) => {
-                let profile = LinearProfile::along(&line.from(span.near), ramp);
+                let profile = LinearProfile::along(&line.starting_at(span.near), ramp);
                 if let Some((near, far)) = profile.positive_part(0.0, span.length()) {
                     kinks.extend([span.near + near, span.near + far]);
                 }
@@ -269,7 +257,7 @@ impl Density {
                 kinks.extend(cuts.map(|widths| centre + widths * width));
             }
             Field::Exponential(layer) => {
-                let rate = ExponentialProfile::along(&line.from(span.near), layer).rate;
+                let rate = ExponentialProfile::along(&line.starting_at(span.near), layer).rate;
                 let cuts = [1.0, 8.0, 64.0, 745.0].map(|heights| heights / rate.abs());
                 // From the denser end on.
                 kinks.extend(cuts.map(|distance| {
@@ -287,7 +275,7 @@ impl Density {
 
 /// The point of a line nearest to the centre of a blob, and the width of the blob along it, in
 /// world distances.
-fn blob_along(blob: &Blob, line: &DensityLine) -> (f64, f64) {
+fn blob_along(blob: &Blob, line: &Line) -> (f64, f64) {
     let squared = line.direction.length_squared();
     let foot = (blob.centre - line.origin).dot(line.direction) / squared;
     (foot, blob.width / squared.sqrt())

@@ -92,17 +92,15 @@ impl Draine {
         }
         let g = self.asymmetry().g();
         // From the end that is nearer, so that small shares keep their digits.
-        if u <= 0.5 {
+        let (below, above) = if u <= 0.5 {
             let below = self.share(g, u);
-            let above = 1.0 - below;
-            self.henyey_greenstein
-                .deflection_between(below, above, below - above)
+            (below, 1.0 - below)
         } else {
             let above = self.share(-g, 1.0 - u);
-            let below = 1.0 - above;
-            self.henyey_greenstein
-                .deflection_between(below, above, below - above)
-        }
+            (1.0 - above, above)
+        };
+        self.henyey_greenstein
+            .deflection_between(below, above, below - above)
     }
 
     /// The root of `v + α W(v) = N u` for the parameter `g`, `u` in [0, ½]: Newton's method between

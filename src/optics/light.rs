@@ -81,7 +81,7 @@ pub struct Spot {
     axis: Direction,
     inner: f64,
     outer: f64,
-    cos_outer: f64,
+    pub(crate) cos_outer: f64,
 }
 
 impl Spot {
@@ -127,11 +127,6 @@ impl Spot {
     /// Half-angle beyond which nothing is emitted, radians.
     pub fn outer(&self) -> f64 {
         self.outer
-    }
-
-    /// Cosine of the outer angle.
-    pub(crate) fn cos_outer(&self) -> f64 {
-        self.cos_outer
     }
 
     /// Intensity in `direction` relative to that on the axis: 1 within the inner cone, 0 from its
@@ -182,9 +177,9 @@ mod tests {
     fn s9_a_cone_with_a_sharp_edge_is_a_step() {
         let spot = spot(60.0, 60.0);
         let edge = Direction::unit(DVec3::new(
-            (1.0 - spot.cos_outer() * spot.cos_outer()).sqrt(),
+            (1.0 - spot.cos_outer * spot.cos_outer).sqrt(),
             0.0,
-            spot.cos_outer(),
+            spot.cos_outer,
         ));
         assert_eq!(spot.falloff(edge), 0.0);
         assert_eq!(spot.falloff(at(59.999_999)), 1.0);

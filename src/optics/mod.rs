@@ -3,7 +3,7 @@
 //! | files | hold |
 //! |---|---|
 //! | `coefficients`, `homogeneous`, [`emission`], `optical_depth`, `opacity` | absorption, scattering and emission, and what they amount to over a length |
-//! | `density`, `density_line`, [`profiles`] | the density of a heterogeneous medium, at a point and along a ray |
+//! | `density`, [`profiles`] | the density of a heterogeneous medium, at a point and along a ray |
 //! | `phase`, `henyey_greenstein`, `draine`, `droplets`, `deflection` | phase functions |
 //! | `transfer_function`, `transfer_points`, `colormap`, `phong`, `layer` | the appearance of classified volumes, and samples composited |
 //! | `material`, `fresnel` | scattering at surfaces |
@@ -15,7 +15,6 @@ pub mod collocation;
 mod colormap;
 mod deflection;
 mod density;
-mod density_line;
 mod draine;
 mod droplets;
 pub mod emission;
@@ -33,12 +32,11 @@ pub mod profiles;
 mod transfer_function;
 mod transfer_points;
 
-pub(crate) use coefficients::sampled_channel;
 pub use coefficients::{Coefficients, collision_weight, escape_weight};
+pub(crate) use coefficients::{albedo, sampled_channel};
 pub use colormap::Colormap;
 pub use deflection::{Asymmetry, Deflection};
 pub use density::{Density, Field};
-pub use density_line::DensityLine;
 pub use draine::Draine;
 pub use droplets::Droplets;
 pub use fresnel::{Split, reflected, split};

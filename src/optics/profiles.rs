@@ -1,9 +1,10 @@
 //! Extinction along a ray as a function of the distance `t`, where its integral has a closed
 //! form.
 
+use crate::geometry::Line;
 use crate::math::{erf, erfc, exp};
-use crate::optics::{DensityLine, optical_depth, source_factor};
-use crate::volume::{ExponentialLayer, LinearRamp};
+use crate::optics::{optical_depth, source_factor};
+use crate::volume::{DensityField, ExponentialLayer, LinearRamp};
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
 /// Extinction `start + slope·t`, per length, not negative where it is asked for.
@@ -18,9 +19,11 @@ pub struct LinearProfile {
 impl LinearProfile {
     /// Along `line` through a ramp of density, for an extinction of 1 at density 1. Where the
     /// ramp ends the profile goes on below 0: see [`LinearProfile::positive_part`].
-    pub fn along(line: &DensityLine, ramp: &LinearRamp) -> LinearProfile {
-        let (start, slope) = ramp.along(line.origin, line.direction);
-        LinearProfile { start, slope }
+    pub fn along(line: &Line, ramp: &LinearRamp) -> LinearProfile {
+        LinearProfile {
+            start: ramp.value(line.origin),
+            slope: ramp.gradient.dot(line.direction),
+        }
     }
 
     /// The segment from `near` to `far ≥ near` without the part where the profile is below 0;
@@ -55,9 +58,11 @@ pub struct ExponentialProfile {
 
 impl ExponentialProfile {
     /// Along `line` through a layer of density, for an extinction of 1 at density 1.
-    pub fn along(line: &DensityLine, layer: &ExponentialLayer) -> ExponentialProfile {
-        let (start, rate) = layer.along(line.origin, line.direction);
-        ExponentialProfile { start, rate }
+    pub fn along(line: &Line, layer: &ExponentialLayer) -> ExponentialProfile {
+        ExponentialProfile {
+            start: layer.density(line.origin),
+            rate: layer.up.dot(line.direction) / layer.scale_height,
+        }
     }
 
     /// Optical depth from `near` to `far ≥ near`; `far` may be infinite where the extinction
@@ -142,7 +147,7 @@ mod tests {
 
     #[test]
     fn profiles_along_lines_are_those_of_the_field() {
-        let line = |origin, towards| DensityLine {
+        let line = |origin, towards| Line {
             origin,
             direction: *Direction::of(towards).unwrap(),
         };

@@ -129,7 +129,7 @@ impl Model {
             Model::Radiative(scene) => {
                 let densities = scene.media.iter().filter_map(|body| body.density.as_ref());
                 let grids = densities.filter_map(|density| match density.field() {
-                    Field::Grid(grid) => Some(grid.shared()),
+                    Field::Grid(grid) => Some(grid.grid()),
                     _ => None,
                 });
                 grids.collect()

@@ -12,7 +12,7 @@
 #[cfg(test)]
 mod tests;
 
-use crate::files::atomic_file::{WriteError, directory_of, remedy, sync_directory};
+use crate::files::atomic_file::{WriteError, directory_of, remedy, sync_directory, untouched};
 use crate::files::regular_file::ReadError;
 use crate::files::{own_file, regular_file};
 use std::collections::BTreeSet;
@@ -111,7 +111,7 @@ impl Store {
     pub fn publish<P: AsRef<Path>>(&self, files: &[(P, Vec<u8>)]) -> Result<(), StoreError> {
         let _lock = self.lock()?;
         let (new, decided) = (self.root.join(NEW), self.root.join(DECIDED));
-        let failed = |path| move |cause| WriteError::untouched("write", path, cause);
+        let failed = |path| untouched("write", path);
         if fs::symlink_metadata(&decided).is_ok() {
             self.install(Path::new("")).map_err(failed(&decided))?;
         }
@@ -145,7 +145,7 @@ impl Store {
             let file = file.open(&lock)?;
             file.lock().map(|()| file)
         };
-        let file = locked().map_err(|cause| WriteError::untouched("lock", &lock, cause))?;
+        let file = locked().map_err(untouched("lock", &lock))?;
         if is_new {
             // For version control, as a courtesy: a folder of the user's is left as it is.
             let _ = own_file::write(&self.root.join(".gitignore"), IGNORES_LOCK);
@@ -165,7 +165,7 @@ impl Store {
                 own_file::check_folder(&self.root, directory_of(path))?;
                 own_file::make_folder(&self.root, directory_of(&staged))
             };
-            prepare().map_err(|cause| WriteError::untouched("write", &target, cause))?;
+            prepare().map_err(untouched("write", &target))?;
             own_file::write(&self.root.join(&staged), bytes)?;
             folders.extend(
                 staged
@@ -174,9 +174,9 @@ impl Store {
                     .map(|folder| self.root.join(folder)),
             );
         }
-        folders.iter().try_for_each(|folder| {
-            sync_directory(folder).map_err(|cause| WriteError::untouched("sync", folder, cause))
-        })
+        folders
+            .iter()
+            .try_for_each(|folder| sync_directory(folder).map_err(untouched("sync", folder)))
     }
 
     /// Moves what is in the folder `inner` of the decided accept to its place, and removes this folder.

@@ -30,10 +30,7 @@ impl DensityField for Blob {
 
     /// By the nearest and the farthest point of the box, axis by axis.
     fn range_over(&self, bounds: &Aabb) -> DensityRange {
-        let (low, high) = (
-            (bounds.min - self.centre) / self.width,
-            (bounds.max - self.centre) / self.width,
-        );
+        let [low, high] = [bounds.min, bounds.max].map(|it| (it - self.centre) / self.width);
         // 0 where the centre lies between the faces.
         let nearest = low.max(-high).max(DVec3::ZERO);
         let farthest = low.abs().max(high.abs());

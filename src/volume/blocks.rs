@@ -1,9 +1,9 @@
 //! Bounds on a density, block by block.
 
 use super::{DensityField, DensityRange, Walk};
-use crate::geometry::{Aabb, Span};
+use crate::geometry::{Aabb, Line, Span};
 use crate::math::Sum;
-use glam::DVec3;
+use glam::{BVec3, DVec3};
 use rayon::prelude::*;
 
 /// A box divided into equal blocks, with bounds on a density in each of them.
@@ -61,10 +61,10 @@ impl Blocks {
         sum.value() / self.ranges.len() as f64
     }
 
-    /// The blocks along the line `origin + t·direction`, which is in the box for `t` in `span`.
-    pub fn walk(&self, origin: DVec3, direction: DVec3, span: Span) -> Walk {
-        let origin = (origin - self.bounds.min) / self.size;
-        Walk::new(self.counts, origin, direction / self.size, span)
+    /// The blocks along `line`, which is in the box over `span`.
+    pub fn walk(&self, line: &Line, span: Span) -> Walk {
+        let origin = (line.origin - self.bounds.min) / self.size;
+        Walk::new(self.counts, origin, line.direction / self.size, span)
     }
 
     /// Bounds on the density in a block.
@@ -85,14 +85,8 @@ impl Blocks {
         let index = |cell: [usize; 3]| DVec3::from_array(cell.map(|index| index as f64));
         let min = self.bounds.min + self.size * index(cell);
         let beyond = self.bounds.min + self.size * index(cell.map(|index| index + 1));
-        let last = |axis: usize| cell[axis] + 1 == self.counts[axis];
-        let max = DVec3::from_array(std::array::from_fn(|axis| {
-            if last(axis) {
-                self.bounds.max[axis]
-            } else {
-                beyond[axis]
-            }
-        }));
+        let is_last = [0, 1, 2].map(|axis| cell[axis] + 1 == self.counts[axis]);
+        let max = DVec3::select(BVec3::from_array(is_last), self.bounds.max, beyond);
         // Roundings of the corners must not turn a block over.
         Aabb {
             min: min.min(max),

@@ -1,16 +1,41 @@
 //! Volumes from files, in the format of the extension.
 
 use super::error::{VolumeError, VolumeFault};
-use super::format::{Content, VolumeFormat};
 use super::grid::Grid;
 use super::load_options::LoadOptions;
-use super::other_formats::{misnamed, remedy};
-use super::samples::Stored;
+use super::samples::{Stored, VolumeRead};
 use super::source::{FileRead, VolumeSource};
-use crate::files::file_kind::{HEAD, OF_SLICES, ends_in};
+use crate::files::file_kind::{FileKind, HEAD, OF_SLICES, by_bytes, by_name, ends_in};
+use crate::files::{gzip, regular_file};
 use crate::geometry::Transform;
 use std::io::BufRead;
 use std::path::Path;
+
+/// Content of a file of a format, by what it leaves to the scene.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Content {
+    /// Points to be splatted: the grid.
+    Points,
+    /// A grid: nothing.
+    Grid,
+    /// Samples that a description places: perhaps the order of their axes.
+    Samples,
+    /// An array: positions, and the order of its axes.
+    Array,
+}
+
+/// A format of volume files.
+pub(crate) struct VolumeFormat {
+    /// Name of the format.
+    pub name: &'static str,
+    /// Extensions of its files: a dot and lower-case letters. Upper case is recognised, too.
+    pub extensions: &'static [&'static str],
+    /// What its files contain, and leave to the scene.
+    pub content: Content,
+    /// Reads a file of the format. Values of the grid are finite, unless asked for otherwise, and
+    /// may be negative.
+    read: fn(&mut VolumeSource, &LoadOptions) -> VolumeRead,
+}
 
 /// Declares formats of volume files, one a row: name, extensions, content, and the function that reads a file.
 macro_rules! formats {
@@ -21,7 +46,7 @@ macro_rules! formats {
 
 /// Every format that is read.
 static VOLUME_FORMATS: [VolumeFormat; 9] = formats! {
-    "Wavefront point cloud", [".obj"], Points, super::point_cloud::read;
+    "Wavefront point cloud", [".obj"], Points, super::obj_points::read;
     "binary grid", [".bin"], Grid, super::course_grid::read;
     "Mitsuba volume", [".vol"], Grid, super::mitsuba_vol::read;
     "NRRD", [".nrrd", ".nhdr"], Grid, super::nrrd::read;
@@ -56,10 +81,6 @@ pub(crate) fn volume_format(path: &Path) -> Option<&'static VolumeFormat> {
     })
 }
 
-fn is_volume(path: &Path) -> bool {
-    volume_format(path).is_some()
-}
-
 /// The grid in `bytes` of a file of that name, whose extension tells the format, and in the `samples` of
 /// the file that it may name as theirs.
 pub fn read_volume(
@@ -68,21 +89,16 @@ pub fn read_volume(
     samples: Option<&[u8]>,
     options: &LoadOptions,
 ) -> Result<Grid<f32>, VolumeFault> {
-    let format = known_format(Path::new(name), || None)?;
+    let format = volume_format(Path::new(name)).ok_or_else(|| unsupported(None))?;
     let mut source = VolumeSource::of(name, bytes, samples);
     (format.read)(&mut source, options).map(|(grid, _)| grid)
 }
 
-/// The format of a file of that name; an error with the `remedy` for others, and the list of formats.
-fn known_format(
-    path: &Path,
-    remedy: impl FnOnce() -> Option<String>,
-) -> Result<&'static VolumeFormat, VolumeFault> {
-    volume_format(path).ok_or_else(|| {
-        let known = volume_formats();
-        let remedy = remedy().map_or(String::new(), |remedy| format!("; {remedy}"));
-        format!("unsupported file extension; supported are {known}{remedy}").into()
-    })
+/// The fault of a file whose extension no format has, with the remedy for it and the list of formats.
+fn unsupported(remedy: Option<String>) -> VolumeFault {
+    let known = volume_formats();
+    let remedy = remedy.map_or(String::new(), |remedy| format!("; {remedy}"));
+    format!("unsupported file extension; supported are {known}{remedy}").into()
 }
 
 /// The supported formats with their extensions, as a list for people.
@@ -107,18 +123,17 @@ pub fn load_hashed(path: &Path, options: &LoadOptions) -> Result<Loaded, VolumeE
         fault,
     };
     if path.is_dir() {
-        return Err(in_file(
-            format!("this is a directory, not a volume file; {OF_SLICES}").into(),
-        ));
+        let message = format!("this is a directory, not a volume file; {OF_SLICES}");
+        return Err(in_file(message.into()));
     }
-    let format = known_format(path, || remedy(path, is_volume)).map_err(in_file)?;
+    let format = volume_format(path).ok_or_else(|| in_file(unsupported(remedy(path))))?;
     let mut source = VolumeSource::open(path)?;
     let first = source
         .fill_buf()
         .map(|first| first[..first.len().min(HEAD)].to_vec());
     let first = first.map_err(|error| source.error(error))?;
     let read = (format.read)(&mut source, options);
-    let (grid, stored) = read.map_err(|fault| match misnamed(path, &first, is_volume) {
+    let (grid, stored) = read.map_err(|fault| match misnamed(path, &first) {
         Some(misnamed) => source.error(misnamed),
         None => source.error(fault),
     })?;
@@ -136,6 +151,46 @@ pub fn load_hashed(path: &Path, options: &LoadOptions) -> Result<Loaded, VolumeE
         format: format.name,
         stored,
     })
+}
+
+/// The remedy for the file at `path`, whose ending no format has: by its name, else by its first bytes.
+fn remedy(path: &Path) -> Option<String> {
+    if let Some(remedy) = by_name(path).and_then(|kind| kind.as_volume) {
+        return Some(remedy.to_owned());
+    }
+    let kind = by_bytes(&regular_file::first_bytes_of(path)?)?;
+    let (name, way_out) = (kind.name, way_out(kind));
+    Some(format!("it begins like {name}: {way_out}"))
+}
+
+/// The fault of the file at `path`, which the format of its name cannot read, if its `first` bytes
+/// are those of another format.
+fn misnamed(path: &Path, first: &[u8]) -> Option<String> {
+    let kind = by_bytes(first).filter(|kind| !kind.is_name(path))?;
+    let remedy = match path.extension() {
+        Some(nii) if nii.eq_ignore_ascii_case("nii") && first.starts_with(&gzip::MAGIC) => {
+            rename(".nii.gz")
+        }
+        _ => way_out(kind),
+    };
+    let name = kind.name;
+    Some(format!(
+        "the file begins like {name}, which its name does not say: {remedy}"
+    ))
+}
+
+/// What to do with a file of that kind to have a volume.
+fn way_out(kind: &FileKind) -> String {
+    let is_read = |ending: &&&str| volume_format(Path::new(&format!("a{ending}"))).is_some();
+    match (kind.as_volume, kind.endings.iter().find(is_read)) {
+        (Some(remedy), _) => remedy.to_owned(),
+        (None, Some(ending)) => rename(ending),
+        (None, None) => "it holds no volume; give the file that does".to_owned(),
+    }
+}
+
+fn rename(ending: &str) -> String {
+    format!("rename it, so that it ends in {ending}")
 }
 
 #[cfg(test)]

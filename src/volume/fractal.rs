@@ -24,7 +24,7 @@ pub struct FractalParameters {
     pub threshold: f64,
 }
 
-/// A finer octave than the 32nd would, at a lacunarity of 2, be of cells smaller than the
+/// Largest number of octaves. At a lacunarity of 2 the cells of a finer one are smaller than the
 /// rounding of coordinates of some millions.
 pub const MOST_OCTAVES: u32 = 32;
 
@@ -153,10 +153,7 @@ impl DensityField for FractalDensity {
     /// So `high` is 0 exactly where no sum can exceed the threshold, and `low` is 0 wherever one
     /// may stay below it.
     fn range_over(&self, bounds: &Aabb) -> DensityRange {
-        let (min, max) = (
-            self.lattice_point(bounds.min),
-            self.lattice_point(bounds.max),
-        );
+        let [min, max] = [bounds.min, bounds.max].map(|corner| self.lattice_point(corner));
         let (mut least, mut most) = (0.0, 0.0);
         for octave in &self.octaves {
             let noise = noise_range(min * octave.frequency, max * octave.frequency);

@@ -7,9 +7,9 @@ use super::source::VolumeSource;
 use glam::DVec3;
 use std::io::{BufRead, Read};
 
-/// The fields of a header as they stand there: name, value, line.
+/// The fields of a header, as they stand there.
 #[derive(Default)]
-pub(super) struct HeaderFields(Vec<(String, String, usize)>);
+pub(super) struct HeaderFields(Vec<HeaderField>);
 
 impl HeaderFields {
     /// Adds a field that is not there yet.
@@ -17,30 +17,47 @@ impl HeaderFields {
         if self.get(name).is_some() {
             return Err(in_line(line, &format!("the field `{name}` is there twice")));
         }
-        self.0.push((name.to_owned(), value.to_owned(), line));
+        let (name, value) = (name.to_owned(), value.to_owned());
+        self.0.push(HeaderField { name, value, line });
         Ok(())
     }
 
     /// A field that the format demands.
-    pub(super) fn required(&self, name: &str) -> Result<HeaderField<'_>, VolumeFault> {
-        self.get(name).ok_or_else(|| missing(name))
+    pub(super) fn required(&self, name: &str) -> Result<&HeaderField, VolumeFault> {
+        self.get(name).ok_or_else(|| {
+            format!("the header has no field `{name}`, which the format demands").into()
+        })
     }
 
-    pub(super) fn get(&self, name: &str) -> Option<HeaderField<'_>> {
-        let found = self.0.iter().find(|(field, ..)| *field == name);
-        found.map(|(name, value, line)| HeaderField {
-            name,
-            value,
-            line: *line,
+    pub(super) fn get(&self, name: &str) -> Option<&HeaderField> {
+        self.0.iter().find(|field| field.name == name)
+    }
+
+    /// The number of samples along each of `dimension` axes.
+    pub(super) fn sizes(&self, name: &str, dimension: usize) -> Result<Vec<u64>, VolumeFault> {
+        let field = self.required(name)?;
+        field.each(dimension, |word| {
+            let size = word.parse().ok().filter(|&size| size > 0);
+            size.ok_or_else(|| field.wrong("positive whole numbers"))
         })
+    }
+
+    /// The number of bytes before the data, 0 if the field is missing; `None` for -1, which says that the
+    /// data are the last bytes of their file.
+    pub(super) fn byte_skip(&self, name: &str) -> Result<Option<u64>, VolumeFault> {
+        match self.get(name) {
+            Some(field) if field.value == "-1" => Ok(None),
+            Some(field) => field.number("a number of bytes, or -1", |_| true).map(Some),
+            None => Ok(Some(0)),
+        }
     }
 }
 
 /// Longest header: those of diffusion scans have some hundred kilobytes.
 const LONGEST_HEADER: u64 = 1 << 20;
 
-/// Reads the lines of the header at the beginning of `source`, with their numbers, until `is_last` is true of one,
-/// behind which `source` is left; it has `None` where the text ends.
+/// Gives `is_last` each line of the header at the beginning of `source`, with its number, until it returns true; then
+/// `source` is left behind that line. Where the text ends, the line is `None`.
 pub(super) fn read_lines(
     source: &mut VolumeSource,
     mut is_last: impl FnMut(Option<&str>, usize) -> Result<bool, VolumeFault>,
@@ -59,31 +76,23 @@ pub(super) fn read_lines(
     Ok(())
 }
 
-/// The error of a field that must be there.
-pub(super) fn missing(name: &str) -> VolumeFault {
-    format!("the header has no field `{name}`, which the format demands").into()
-}
-
 /// A mistake in a line of a header.
 pub(super) fn in_line(line: usize, message: &str) -> VolumeFault {
     VolumeFault::Line(format!("{line}: {message}"))
 }
 
-/// Reads data by `read`, with the length of their file: from the rest of `source`, which had `length` bytes, or
-/// from the file that its header names.
+/// Reads data by `read`: from the rest of `source`, or from the file that its header names.
 pub(super) fn read_data(
     source: &mut VolumeSource,
-    length: u64,
     name: Option<&str>,
     options: &LoadOptions,
-    read: impl Fn(&mut VolumeSource, u64) -> VolumeRead,
+    read: impl Fn(&mut VolumeSource) -> VolumeRead,
 ) -> VolumeRead {
     let Some(name) = name else {
-        return read(source, length);
+        return read(source);
     };
     let data = source.open_data(name, options)?;
-    let length = data.remaining();
-    read(data, length).map_err(|fault| match fault {
+    read(data).map_err(|fault| match fault {
         // A fault with a place of its own needs the file of that place.
         VolumeFault::Line(_) => format!("its data file {}", data.error(fault)).into(),
         _ => fault,
@@ -91,38 +100,34 @@ pub(super) fn read_data(
 }
 
 /// A field of a header.
-#[derive(Clone, Copy)]
-pub(super) struct HeaderField<'h> {
-    pub(super) name: &'h str,
-    pub(super) value: &'h str,
+pub(super) struct HeaderField {
+    pub(super) name: String,
+    pub(super) value: String,
     pub(super) line: usize,
 }
 
-impl HeaderField<'_> {
+impl HeaderField {
     /// A mistake in the line of the field.
     pub(super) fn fault(&self, message: &str) -> VolumeFault {
         in_line(self.line, message)
     }
 
     pub(super) fn wrong(&self, expected: &str) -> VolumeFault {
-        let (name, value) = (self.name, self.value);
+        let (name, value) = (&self.name, &self.value);
         self.fault(&format!("`{name}` must be {expected}, not {value:?}"))
     }
 
     /// The name of the file of the data. Refused: a list of files, or a pattern with numbers in the place of its `%`.
     pub(super) fn one_file(&self, remedy: &str) -> Result<String, VolumeFault> {
-        let first = self.value.split_ascii_whitespace().next();
+        let Some(first) = self.value.split_ascii_whitespace().next() else {
+            return Err(self.wrong("the name of a file"));
+        };
         let is_pattern = self.value.contains("%d") || self.value.contains("%0");
-        match first {
-            None => Err(self.wrong("the name of a file")),
-            Some("LIST" | "SKIPLIST") => Err(self.several_files(remedy)),
-            _ if is_pattern => Err(self.several_files(remedy)),
-            _ => Ok(self.value.to_owned()),
+        if is_pattern || matches!(first, "LIST" | "SKIPLIST") {
+            let message = format!("the data are spread over several files: {remedy}");
+            return Err(self.fault(&message));
         }
-    }
-
-    fn several_files(&self, remedy: &str) -> VolumeFault {
-        self.fault(&format!("the data are spread over several files: {remedy}"))
+        Ok(self.value.clone())
     }
 
     pub(super) fn number<T: std::str::FromStr>(
@@ -138,13 +143,13 @@ impl HeaderField<'_> {
         if found == dimension {
             return Ok(());
         }
-        let name = self.name;
+        let name = &self.name;
         Err(self.fault(&format!(
             "`{name}` has {found} values, and the file {dimension} axes: give one for each axis"
         )))
     }
 
-    /// One word for each axis.
+    /// One word for each axis, as `read` understands it.
     pub(super) fn each<T>(
         &self,
         dimension: usize,
@@ -155,7 +160,7 @@ impl HeaderField<'_> {
         words.into_iter().map(read).collect()
     }
 
-    /// `(1,0,0) (0,1,0) none`
+    /// Vectors such as `(1,0,0) (0,1,0) none`, one for each axis.
     pub(super) fn vectors(&self, dimension: usize) -> Result<Vec<Option<DVec3>>, VolumeFault> {
         let mut vectors = Vec::new();
         let mut rest = self.value.trim();

@@ -10,10 +10,14 @@ use glam::DVec3;
 /// grows on, up to the largest number.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ExponentialLayer {
-    density: f64,
-    base: DVec3,
-    up: Direction,
-    scale_height: f64,
+    /// Density at the base.
+    pub(crate) density: f64,
+    /// A point at height 0.
+    pub(crate) base: DVec3,
+    /// The direction of rising height.
+    pub(crate) up: Direction,
+    /// Height over which the density falls by the factor e.
+    pub(crate) scale_height: f64,
 }
 
 /// A density that is linear in space, `density + gradient·(p − origin)`, where that is positive,
@@ -56,18 +60,6 @@ impl ExponentialLayer {
         })
     }
 
-    /// Density at the base, the base, the direction up, and the scale height.
-    pub fn parameters(&self) -> (f64, DVec3, Direction, f64) {
-        (self.density, self.base, self.up, self.scale_height)
-    }
-
-    /// Density at the point `origin`, and the fall of its logarithm over the vector `pace`: what
-    /// the exponential profile of the extinction is made of.
-    pub fn along(&self, origin: DVec3, pace: DVec3) -> (f64, f64) {
-        let rise = self.up.dot(pace);
-        (self.density(origin), rise / self.scale_height)
-    }
-
     /// Scale heights above the base.
     fn height(&self, point: DVec3) -> f64 {
         let [x, y, z] = [0, 1, 2].map(|axis| rise(*self.up, self.base, point, axis));
@@ -82,14 +74,8 @@ impl ExponentialLayer {
 }
 
 impl LinearRamp {
-    /// The linear function at the point `origin`, negative where there is nothing, and its change
-    /// over the vector `pace`.
-    pub fn along(&self, origin: DVec3, pace: DVec3) -> (f64, f64) {
-        (self.value(origin), self.gradient.dot(pace))
-    }
-
     /// The linear function, which may be negative.
-    fn value(&self, point: DVec3) -> f64 {
+    pub(crate) fn value(&self, point: DVec3) -> f64 {
         let [x, y, z] = [0, 1, 2].map(|axis| rise(self.gradient, self.origin, point, axis));
         self.density + (x + y + z)
     }

@@ -28,20 +28,12 @@ pub struct LoadOptions {
 }
 
 impl LoadOptions {
-    /// The same for an array, of which the axis that runs fastest is a matter of memory, not of place.
+    /// The same options for an array, whose axes are x, y and z in whatever order they lie in memory: its samples
+    /// are always put in the order of the world.
     pub(super) fn of_array(&self) -> LoadOptions {
         LoadOptions {
             orientation: Orientation::World,
             ..*self
-        }
-    }
-}
-
-impl From<Splatting> for LoadOptions {
-    fn from(splatting: Splatting) -> LoadOptions {
-        LoadOptions {
-            splatting,
-            ..LoadOptions::default()
         }
     }
 }

@@ -53,11 +53,10 @@ const WRITE_ONE: &str = "write one volume to one file, as by `SimpleITK.WriteIma
                          \"one.mha\")`";
 
 pub(super) fn read(source: &mut VolumeSource, options: &LoadOptions) -> VolumeRead {
-    let length = source.remaining();
-    let header = Fields::read(source)?.header()?;
+    let header = read_fields(source)?.header()?;
     let name = Some(&*header.data_file).filter(|name| !name.eq_ignore_ascii_case("local"));
-    read_data(source, length, name, options, |data, length| {
-        header.read_from(data, length, options)
+    read_data(source, name, options, |data| {
+        header.read_from(data, options)
     })
 }
 
@@ -70,15 +69,11 @@ struct Header {
 }
 
 impl Header {
-    /// Reads the data from what is left of a source of `length` bytes.
-    fn read_from(
-        &self,
-        source: &mut VolumeSource,
-        length: u64,
-        options: &LoadOptions,
-    ) -> VolumeRead {
+    /// Reads the data from what is left of a source.
+    fn read_from(&self, source: &mut VolumeSource, options: &LoadOptions) -> VolumeRead {
         let mut layout = self.layout;
-        let begin = length - source.remaining();
+        let length = source.length;
+        let begin = length - source.remaining;
         let end = match (self.skip, layout.encoding) {
             (Some(skip), _) => begin.max(skip),
             // Too few are reported as a wrong length.
@@ -94,40 +89,32 @@ impl Header {
     }
 }
 
-/// The fields of a header.
-#[derive(Default)]
-struct Fields(HeaderFields);
-
-impl Fields {
-    /// Reads the header at the beginning of `source`, which is left behind the line of `ElementDataFile`.
-    fn read(source: &mut VolumeSource) -> Result<Fields, VolumeFault> {
-        let mut fields = Fields::default();
-        read_lines(source, |line, number| {
-            let Some(text) = line else {
-                return refused(
-                    "the header has no field `ElementDataFile`, which is its last: this is no MetaImage, or it \
-                     was cut short",
-                );
-            };
-            fields.take(text.trim(), number)?;
-            Ok(fields.0.get("ElementDataFile").is_some())
-        })?;
-        Ok(fields)
-    }
-
-    fn take(&mut self, text: &str, line: usize) -> Result<(), VolumeFault> {
-        if text.is_empty() {
-            return Ok(());
+/// Reads the header at the beginning of `source`, which is left behind the line of `ElementDataFile`.
+fn read_fields(source: &mut VolumeSource) -> Result<HeaderFields, VolumeFault> {
+    let mut fields = HeaderFields::default();
+    read_lines(source, |line, number| {
+        let Some(text) = line.map(str::trim) else {
+            return refused(
+                "the header has no field `ElementDataFile`, which is its last: this is no MetaImage, or it was \
+                 cut short",
+            );
+        };
+        if !text.is_empty() {
+            let (name, value) = text
+                .split_once(['=', ':'])
+                .ok_or_else(|| in_line(number, "a line of the header is `Field = value`"))?;
+            fields.add(name.trim(), value.trim(), number)?;
         }
-        let (name, value) = text
-            .split_once(['=', ':'])
-            .ok_or_else(|| in_line(line, "a line of the header is `Field = value`"))?;
-        self.0.add(name.trim(), value.trim(), line)
-    }
+        Ok(fields.get("ElementDataFile").is_some())
+    })?;
+    Ok(fields)
+}
 
+/// The fields of MetaImage.
+impl HeaderFields {
     /// True or false, or `default` if the field is missing.
     fn flag(&self, name: &str, default: bool) -> Result<bool, VolumeFault> {
-        let Some(field) = self.0.get(name) else {
+        let Some(field) = self.get(name) else {
             return Ok(default);
         };
         match field.value.to_ascii_lowercase().as_str() {
@@ -139,7 +126,7 @@ impl Fields {
 
     /// A number; `default` if the field is missing.
     fn number(&self, name: &str, default: f64) -> Result<f64, VolumeFault> {
-        let field = self.0.get(name);
+        let field = self.get(name);
         field.map_or(Ok(default), |field| {
             field.number("a finite number", |number: &f64| number.is_finite())
         })
@@ -147,7 +134,7 @@ impl Fields {
 
     /// `count` numbers of the first field with one of these names.
     fn numbers(&self, names: &[&str], count: usize) -> Result<Option<Vec<f64>>, VolumeFault> {
-        let Some(field) = names.iter().find_map(|name| self.0.get(name)) else {
+        let Some(field) = names.iter().find_map(|name| self.get(name)) else {
             return Ok(None);
         };
         let expected = format!("{count} finite numbers");
@@ -164,7 +151,7 @@ impl Fields {
     }
 
     fn header(&self) -> Result<Header, VolumeFault> {
-        if let Some(field) = self.0.get("ObjectType").filter(|it| it.value != "Image") {
+        if let Some(field) = self.get("ObjectType").filter(|it| it.value != "Image") {
             return Err(field.wrong("Image: only images are volumes"));
         }
         for (name, usual) in [
@@ -174,7 +161,7 @@ impl Fields {
         ] {
             let number = self.number(name, usual)?;
             if number != usual {
-                return Err(self.0.required(name)?.fault(&format!(
+                return Err(self.required(name)?.fault(&format!(
                     "`{name}` is {number}, and only {usual} is read: a volume has one value per sample, as it \
                      stands; write that"
                 )));
@@ -186,15 +173,9 @@ impl Fields {
             (true, true) => Encoding::Zlib,
             (true, false) => Encoding::Raw,
         };
-        let big = self.flag(
-            "BinaryDataByteOrderMSB",
-            self.flag("ElementByteOrderMSB", false)?,
-        )?;
-        let skip = match self.0.get("HeaderSize") {
-            Some(field) if field.value == "-1" => None,
-            Some(field) => Some(field.number("a number of bytes, or -1", |_| true)?),
-            None => Some(0),
-        };
+        let big = self.flag("ElementByteOrderMSB", false)?;
+        let big = self.flag("BinaryDataByteOrderMSB", big)?;
+        let skip = self.byte_skip("HeaderSize")?;
         let (axes, element) = (self.axes()?, self.element()?);
         Ok(Header {
             layout: Layout {
@@ -203,14 +184,14 @@ impl Fields {
                 space: Some("left-posterior-superior, as ITK takes it"),
                 ..Layout::raw(element, axes)
             },
-            data_file: self.0.required("ElementDataFile")?.one_file(WRITE_ONE)?,
+            data_file: self.required("ElementDataFile")?.one_file(WRITE_ONE)?,
             skip,
         })
     }
 
     fn element(&self) -> Result<Element, VolumeFault> {
-        let field = self.0.required("ElementType")?;
-        let name = field.value.strip_suffix("_ARRAY").unwrap_or(field.value);
+        let field = self.required("ElementType")?;
+        let name = field.value.strip_suffix("_ARRAY").unwrap_or(&field.value);
         let found = TYPES.iter().find(|(known, _)| *known == name);
         found
             .map(|(_, element)| *element)
@@ -219,21 +200,19 @@ impl Fields {
 
     /// Positions of the samples.
     fn axes(&self) -> Result<Axes, VolumeFault> {
-        let dims = self.0.required("NDims")?;
+        let dims = self.required("NDims")?;
         let expected = "the number of axes, from 1 to 10";
         let dims = dims.number(expected, |dims: &usize| (1..=MOST_AXES).contains(dims))?;
-        let field = self.0.required("DimSize")?;
-        let sizes: Vec<u64> = field.each(dims, |word| {
-            let size = word.parse().ok().filter(|size| *size > 0);
-            size.ok_or_else(|| field.wrong("positive whole numbers"))
-        })?;
-        let one_volume = |it: &&[u64]| it.len() >= 3 && it[3..].iter().all(|size| *size == 1);
-        let volume = Some(&sizes[..]).filter(one_volume).ok_or_else(|| {
-            field.fault(&format!(
-                "the file has {dims} axes, and a volume three, with one value per sample (a plane is one with \
-                 `DimSize = 64 64 1`): {WRITE_ONE}, of one index of any other axis"
-            ))
-        })?;
+        let sizes = self.sizes("DimSize", dims)?;
+        let volume = match sizes[..] {
+            [x, y, z, ref more @ ..] if more.iter().all(|&size| size == 1) => [x, y, z],
+            _ => {
+                return Err(self.required("DimSize")?.fault(&format!(
+                    "the file has {dims} axes, and a volume three, with one value per sample (a plane is one with \
+                     `DimSize = 64 64 1`): {WRITE_ONE}, of one index of any other axis"
+                )));
+            }
+        };
         let spacing = self.numbers(&["ElementSpacing", "ElementSize"], dims)?;
         let spacing = spacing.unwrap_or(vec![1.0; dims]);
         let offset = self.numbers(&OFFSETS, dims)?.unwrap_or(vec![0.0; dims]);
@@ -243,7 +222,7 @@ impl Fields {
             None => DVec3::AXES[axis],
         };
         Ok(Axes {
-            sizes: check_sizes([volume[0], volume[1], volume[2]])?,
+            sizes: check_sizes(volume)?,
             steps: [0, 1, 2].map(|axis| along(axis) * spacing[axis]),
             first: DVec3::from_slice(&offset),
             centring: Centring::Nodes,

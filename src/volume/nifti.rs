@@ -42,7 +42,7 @@ pub(super) fn read(source: &mut VolumeSource, options: &LoadOptions) -> VolumeRe
     };
     // Header and data are one stream, so it is unpacked here and read as if it were raw; how long
     // it is nobody knows before its end.
-    let length = source.remaining();
+    let length = source.remaining;
     let mut unpacked = BufReader::with_capacity(1 << 16, gzip::Unpacked::new(source));
     let layout = layout(&mut unpacked, Encoding::Gzip, trouble)?;
     read_unpacked(&mut unpacked, length, &layout, options)
@@ -74,7 +74,7 @@ fn layout(
         element: header.element()?,
         endian: header.endian,
         encoding,
-        scaling: header.scaling()?,
+        scaling: header.scaling(),
         space,
     };
     let between = header.data_offset()? - HEADER as u64;
@@ -184,13 +184,10 @@ impl<'h> NiftiHeader<'h> {
         ))
     }
 
-    fn scaling(&self) -> Result<Option<(f64, f64)>, VolumeFault> {
-        let (slope, intercept) = (self.float(112), self.float(116));
-        if slope == 0.0 || slope.is_nan() {
-            return Ok(None);
-        }
-        let (slope, intercept) = (f64::from(slope), f64::from(intercept));
-        Ok((slope != 1.0 || intercept != 0.0).then_some((slope, intercept)))
+    fn scaling(&self) -> Option<(f64, f64)> {
+        let [slope, intercept] = self.floats(112);
+        let is_none = slope == 0.0 || slope.is_nan() || (slope == 1.0 && intercept == 0.0);
+        (!is_none).then_some((slope, intercept))
     }
 
     /// The numbers from `at` on, which the fields `names` hold: they must be finite.

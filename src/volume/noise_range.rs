@@ -48,7 +48,7 @@ pub(super) fn noise_range(corner: DVec3, opposite: DVec3) -> Interval {
     }
     // Differences of whole numbers below 2⁵², exact; at most MOST_CELLS of them.
     let count = (last - first + 1.0).as_uvec3();
-    let mut range: Option<Interval> = None;
+    let mut range = Interval::new(f64::INFINITY, f64::NEG_INFINITY);
     for z in 0..count.z {
         for y in 0..count.y {
             for x in 0..count.x {
@@ -57,12 +57,10 @@ pub(super) fn noise_range(corner: DVec3, opposite: DVec3) -> Interval {
                 // between these, as computed.
                 let low = (min - cell).max(DVec3::ZERO);
                 let high = (max - cell).min(DVec3::ONE);
-                let part = range_in_cell(gradients_at(cell), low, high);
-                range = Some(range.map_or(part, |range| range.union(part)));
+                range = range.union(range_in_cell(gradients_at(cell), low, high));
             }
         }
     }
-    let range = range.unwrap_or(ALL);
     Interval::new(
         (range.low - ROUNDING).max(ALL.low),
         (range.high + ROUNDING).min(ALL.high),

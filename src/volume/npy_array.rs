@@ -12,6 +12,7 @@ use crate::film::{FilmError, NpyHeader};
 use glam::DVec3;
 use std::io::{self, Cursor, Read};
 use zip::ZipArchive;
+use zip::result::ZipResult;
 
 pub(super) fn read(source: &mut VolumeSource, options: &LoadOptions) -> VolumeRead {
     let layout = layout(&header(source)?, options)?;
@@ -22,18 +23,8 @@ pub(super) fn read(source: &mut VolumeSource, options: &LoadOptions) -> VolumeRe
 const MOST_BYTES: u64 = 1 << 32;
 
 pub(super) fn read_archive(source: &mut VolumeSource, options: &LoadOptions) -> VolumeRead {
-    let length = source.remaining();
     let bytes = source.all(MOST_BYTES, "write the array as .npy")?;
-    let damaged = |error: String| {
-        VolumeFault::from(format!(
-            "no readable NPZ file: {error}; numpy.savez of one array writes it right"
-        ))
-    };
-    let trouble = |error: zip::result::ZipError| damaged(error.to_string());
-    let opened = decoder::run(|| ZipArchive::new(Cursor::new(bytes)));
-    let mut archive = opened
-        .map_err(|stopped| damaged(stopped.to_string()))?
-        .map_err(trouble)?;
+    let mut archive = unzipped(|| ZipArchive::new(Cursor::new(bytes)))?;
     let count = archive.len();
     if count != 1 {
         return refused(format!(
@@ -41,13 +32,18 @@ pub(super) fn read_archive(source: &mut VolumeSource, options: &LoadOptions) -> 
              numpy.load(\"a.npz\")[NAME])`"
         ));
     }
-    let entry = decoder::run(|| archive.by_index(0));
-    let entry = entry
-        .map_err(|stopped| damaged(stopped.to_string()))?
-        .map_err(trouble)?;
-    let mut entry = Guarded(entry);
+    let mut entry = Guarded(unzipped(|| archive.by_index(0))?);
     let layout = layout(&header(&mut entry)?, options)?;
-    read_unpacked(&mut entry, length, &layout, &options.of_array())
+    read_unpacked(&mut entry, source.length, &layout, &options.of_array())
+}
+
+/// What the decoder of archives returns; a fault also where it panics.
+fn unzipped<T>(decode: impl FnOnce() -> ZipResult<T>) -> Result<T, VolumeFault> {
+    let result = decoder::run(decode).map_err(|stopped| stopped.to_string());
+    let result = result.and_then(|it| it.map_err(|error| error.to_string()));
+    result.map_err(|error| {
+        format!("no readable NPZ file: {error}; numpy.savez of one array writes it right").into()
+    })
 }
 
 /// The layout of the samples behind a header.

@@ -50,7 +50,7 @@ impl NrrdHeader {
             (Some(0), _) => 0,
             (Some(skip), Encoding::Raw | Encoding::Text) => skip,
             // Too few are reported as a wrong length.
-            (None, Encoding::Raw) => source.remaining().saturating_sub(layout.promised()),
+            (None, Encoding::Raw) => source.remaining.saturating_sub(layout.promised()),
             _ => return refused("`byte skip` needs the encoding raw: write the file without it"),
         };
         source.skip(skip)?;
@@ -88,7 +88,7 @@ impl NrrdHeader {
 pub(super) fn read(source: &mut VolumeSource, options: &LoadOptions) -> VolumeRead {
     let header = NrrdHeader::read(source)?;
     let name = header.data_file.as_deref();
-    read_data(source, 0, name, options, |data, _| {
+    read_data(source, name, options, |data| {
         header.read_from(data, options)
     })
 }

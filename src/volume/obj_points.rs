@@ -1,16 +1,26 @@
 //! Point clouds in Wavefront OBJ: the `v` lines, and nothing else.
 
 use super::error::{VolumeFault, refused};
-use crate::geometry::{ObjFault, Statements, Word};
+use super::load_options::LoadOptions;
+use super::samples::{Stored, VolumeRead};
+use super::source::VolumeSource;
+use super::splat::{CloudPoint, splat};
+use crate::geometry::{Aabb, ObjFault, Statements, Word};
 use glam::DVec3;
 
-/// A point of a cloud.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CloudPoint {
-    /// World position, finite.
-    pub position: DVec3,
-    /// Density it carries, finite and not negative; 1 where the file gives none.
-    pub weight: f64,
+/// Largest point cloud read, in bytes: 4 GiB, some hundred million points.
+const MOST_BYTES: u64 = 1 << 32;
+
+/// Reads a point cloud as a volume, splatted to a grid.
+pub(super) fn read(source: &mut VolumeSource, options: &LoadOptions) -> VolumeRead {
+    let points = read_obj_points(&source.all(MOST_BYTES, "thin the cloud out")?)?;
+    let grid = splat(&points, options.splatting)?;
+    let extent = Aabb::around(points.iter().map(|point| point.position));
+    let stored = Stored::Cloud {
+        points: points.len(),
+        extent: extent.expect("a point"),
+    };
+    Ok((grid, stored))
 }
 
 /// Reads the points of a Wavefront OBJ file, in file order.

@@ -2,7 +2,7 @@
 
 use super::error::{VolumeFault, refused};
 use super::{Centring, Lattice};
-use crate::geometry::{Transform, length_of, longest_axis};
+use crate::geometry::{Transform, length_of};
 use crate::math::atan2;
 use glam::{DMat3, DVec3};
 
@@ -79,13 +79,20 @@ impl Axes {
         let steps = self.steps;
         let lengths = DVec3::from_array(steps.map(length_of));
         Lattice::check_spacing(lengths)?;
+        let as_stored = |first, to_world| {
+            Ok(Placement {
+                lattice: Lattice::new(self.sizes, lengths, first)?.with_centring(centring)?,
+                to_world,
+                from: AS_STORED,
+            })
+        };
         if orientation == Orientation::AsStored {
-            return self.as_stored(lengths, self.first, centring, None);
+            return as_stored(self.first, None);
         }
         let mut from = [None; 3];
         for stored in 0..3 {
             let direction = steps[stored] / lengths[stored];
-            let along = longest_axis(direction.abs());
+            let along = direction.abs().max_position();
             let mut off = direction;
             off[along] = 0.0;
             if length_of(off) > OFF_AXIS && orientation == Orientation::Oblique {
@@ -95,7 +102,7 @@ impl Axes {
                 let to_world = to_world.map_err(
                     |_| "the axes of the file lie in one plane of the world: the header is wrong",
                 )?;
-                return self.as_stored(lengths, DVec3::ZERO, centring, Some(to_world));
+                return as_stored(DVec3::ZERO, Some(to_world));
             }
             if length_of(off) > OFF_AXIS {
                 let axis = stored + 1;
@@ -134,21 +141,6 @@ impl Axes {
             from,
         })
     }
-
-    /// The samples in the order in which they are stored.
-    fn as_stored(
-        &self,
-        spacing: DVec3,
-        first: DVec3,
-        centring: Centring,
-        to_world: Option<Transform>,
-    ) -> Result<Placement, VolumeFault> {
-        Ok(Placement {
-            lattice: Lattice::new(self.sizes, spacing, first)?.with_centring(centring)?,
-            to_world,
-            from: AS_STORED,
-        })
-    }
 }
 
 /// Stored axes that are those of the lattice.
@@ -160,17 +152,10 @@ impl Placement {
         if self.from == AS_STORED {
             return values;
         }
-        let [nx, ny, nz] = sizes;
-        let strides = [1, nx, nx * ny];
-        let ends = [nx, ny, nz];
-        let at = |axis: usize, index: usize| {
-            let (stored, backwards) = self.from[axis];
-            let index = if backwards {
-                ends[stored] - 1 - index
-            } else {
-                index
-            };
-            index * strides[stored]
+        let strides = [1, sizes[0], sizes[0] * sizes[1]];
+        let at = |axis: usize, index: usize| match self.from[axis] {
+            (stored, false) => index * strides[stored],
+            (stored, true) => (sizes[stored] - 1 - index) * strides[stored],
         };
         let [mx, my, mz] = self.lattice.nodes();
         let mut turned = Vec::with_capacity(values.len());

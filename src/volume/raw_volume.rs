@@ -115,7 +115,7 @@ impl RawVolume {
         if options.axes.or(self.axes).unwrap_or_default() == AxisOrder::Xyz {
             layout.axes = layout.axes.reversed();
         }
-        let more = source.remaining().saturating_sub(layout.promised());
+        let more = source.remaining.saturating_sub(layout.promised());
         read_grid(source, &layout, &options.of_array()).map_err(|fault| match layout.encoding {
             Encoding::Raw if more > 0 => {
                 let header = header_bytes + more;

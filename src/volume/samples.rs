@@ -192,7 +192,7 @@ pub(super) fn read_grid(
     layout: &Layout,
     options: &LoadOptions,
 ) -> VolumeRead {
-    let remaining = source.remaining();
+    let remaining = source.remaining;
     match layout.encoding {
         Encoding::Raw => read_as(layout, options, &mut |samples| {
             samples.check_length(remaining)?;
@@ -209,15 +209,14 @@ pub(super) fn read_grid(
         }
         // A digit and a blank are the shortest sample; a last one without the blank is refused when it is read.
         Encoding::Text => read_as(layout, options, &mut |samples| {
-            let most = 0.5 * samples.bytes_each as f64;
+            let most = 0.5 * layout.element.bytes() as f64;
             samples.check_density(remaining.saturating_add(1), most)?;
             samples.read_text(source)
         }),
     }
 }
 
-/// As [`read_grid`], of samples in a stream that `source` is already unpacking from a file of
-/// `length` bytes.
+/// As [`read_grid`], for samples that `source` unpacks from a file of `length` bytes.
 pub(super) fn read_unpacked(
     source: &mut dyn Read,
     length: u64,
@@ -243,7 +242,12 @@ fn read_as(
     let placement = layout
         .axes
         .placement(options.centring, options.orientation)?;
-    let mut samples = Samples::new(layout, options);
+    let mut samples = Samples {
+        layout,
+        non_finite: options.non_finite,
+        count: layout.axes.sizes.iter().product(),
+        values: Vec::new(),
+    };
     read(&mut samples)?;
     let values = placement.put(samples.values, layout.axes.sizes);
     let grid = Grid::new(placement.lattice, values).expect("one value per node");
@@ -268,21 +272,10 @@ struct Samples<'l> {
     layout: &'l Layout,
     non_finite: NonFinite,
     count: usize,
-    bytes_each: usize,
     values: Vec<f32>,
 }
 
-impl<'l> Samples<'l> {
-    fn new(layout: &'l Layout, options: &LoadOptions) -> Samples<'l> {
-        Samples {
-            layout,
-            non_finite: options.non_finite,
-            count: layout.axes.sizes.iter().product(),
-            bytes_each: layout.element.bytes(),
-            values: Vec::new(),
-        }
-    }
-
+impl Samples<'_> {
     fn check_length(&self, found: u64) -> Result<(), VolumeFault> {
         let promised = self.layout.promised();
         match found == promised {
@@ -325,14 +318,15 @@ impl<'l> Samples<'l> {
         source: &mut dyn Read,
         trouble: fn(io::Error) -> VolumeFault,
     ) -> Result<(), VolumeFault> {
+        let bytes_each = self.layout.element.bytes();
         let mut chunk = vec![0; CHUNK];
         while self.values.len() < self.count {
-            let wanted = (self.count - self.values.len()).min(CHUNK / self.bytes_each);
-            let chunk = &mut chunk[..wanted * self.bytes_each];
+            let wanted = (self.count - self.values.len()).min(CHUNK / bytes_each);
+            let chunk = &mut chunk[..wanted * bytes_each];
             let filled = fill(source, chunk).map_err(trouble)?;
-            let whole = filled / self.bytes_each;
+            let whole = filled / bytes_each;
             self.grow(whole)?;
-            self.decode(&chunk[..whole * self.bytes_each])?;
+            self.decode(&chunk[..whole * bytes_each])?;
             if filled < chunk.len() {
                 return refused(self.ends());
             }
@@ -379,7 +373,8 @@ impl<'l> Samples<'l> {
                 Ok(())
             }
             NonFinite::Refused => {
-                let [i, j, k] = self.voxel(first);
+                let [nx, ny, _] = self.layout.axes.sizes;
+                let [i, j, k] = [first % nx, first / nx % ny, first / nx / ny];
                 let scaling = self.layout.scaling;
                 let value = scaling.map_or(stored, |(slope, intercept)| slope * stored + intercept);
                 refused(format!(
@@ -391,15 +386,9 @@ impl<'l> Samples<'l> {
         }
     }
 
-    /// The place of a sample along the stored axes.
-    fn voxel(&self, index: usize) -> [usize; 3] {
-        let [nx, ny, _] = self.layout.axes.sizes;
-        [index % nx, index / nx % ny, index / nx / ny]
-    }
-
     fn read_text(&mut self, source: &mut VolumeSource) -> Result<(), VolumeFault> {
         let separates = |byte: &u8| byte.is_ascii_whitespace() || *byte == b',';
-        if source.remaining() > self.count as u64 * MOST_OF_A_NUMBER + CHUNK as u64 {
+        if source.remaining > self.count as u64 * MOST_OF_A_NUMBER + CHUNK as u64 {
             return refused(self.goes_on());
         }
         let (first_line, mut text, mut at) = (source.line + 1, Vec::new(), 0);
@@ -474,21 +463,13 @@ impl<'l> Samples<'l> {
 
     /// The header and the data contradict each other.
     fn wrong_length(&self, what: &str) -> String {
+        let sizes = self.layout.axes.sizes.map(|size| size.to_string());
         format!(
             "the header declares {} samples of {}, {what}: the file is truncated, contains something else as well, or \
              has another type or size",
-            self.sizes(),
+            sizes.join(" × "),
             self.layout.element.name()
         )
-    }
-
-    /// Samples along the stored axes.
-    fn sizes(&self) -> String {
-        self.layout
-            .axes
-            .sizes
-            .map(|size| size.to_string())
-            .join(" × ")
     }
 }
 

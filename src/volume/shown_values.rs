@@ -1,13 +1,14 @@
 //! The range of values that is shown if nobody states one.
 
 use super::{Grid, Lattice};
+use glam::DVec3;
 
 /// Bins of a histogram.
 const BINS: usize = 256;
 
 impl Grid<f32> {
-    /// From the 1st to the 99.9th percentile of the values, by the nearest rank, which must be finite: what most viewers
-    /// show of them. From least to largest where these are equal, and never empty: of equal values, one end is 0.
+    /// What most viewers show of the values, which must be finite: from the 1st to the 99.9th percentile, by the
+    /// nearest rank. Where these are equal, from the least to the largest; where all values are equal, one end is 0.
     pub fn usual_range(&self) -> [f64; 2] {
         let mut values: Vec<f64> = self.values().iter().map(|&value| value.into()).collect();
         let last = values.len() - 1;
@@ -62,7 +63,7 @@ impl Grid<f32> {
         best as f64 / BINS as f64
     }
 
-    /// Means of the rows of nodes along an axis, as a grid of one layer.
+    /// Means of the rows of nodes along an axis, as a grid of one layer with its nodes one unit apart.
     pub(crate) fn means_along(&self, axis: usize) -> Grid<f32> {
         let nodes = self.lattice().nodes();
         let stride: usize = nodes[..axis].iter().product();
@@ -75,8 +76,8 @@ impl Grid<f32> {
         let means = (0..self.values().len() / length).map(mean).collect();
         let mut layer = nodes;
         layer[axis] = 1;
-        let lattice = self.lattice();
-        let lattice = Lattice::new(layer, lattice.spacing(), lattice.first());
+        // Not where the volume lies: a layer is as thick as its nodes are apart, and might reach beyond the largest number.
+        let lattice = Lattice::new(layer, DVec3::ONE, DVec3::ZERO);
         Grid::new(lattice.expect("fewer nodes"), means).expect("one for each row")
     }
 }
@@ -84,7 +85,6 @@ impl Grid<f32> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::DVec3;
 
     fn grid(nodes: [usize; 3], values: Vec<f32>) -> Grid<f32> {
         Grid::new(
@@ -121,5 +121,9 @@ mod tests {
         assert_eq!(grid.means_along(0).values(), [0.5, 2.5, 4.5, 6.5]);
         assert_eq!(grid.means_along(1).values(), [1.0, 2.0, 5.0, 6.0]);
         assert_eq!(grid.means_along(2).values(), [2.0, 3.0, 4.0, 5.0]);
+        let first = DVec3::new(-1.7e308, 0.0, 0.0);
+        let far = Lattice::new([2, 1, 1], DVec3::splat(1e308), first).unwrap();
+        let far = Grid::new(far, vec![1.0, 3.0]).unwrap();
+        assert_eq!(far.means_along(0).values(), [2.0]);
     }
 }

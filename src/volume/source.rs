@@ -2,9 +2,9 @@
 
 use super::error::{VolumeError, VolumeFault, refused};
 use super::load_options::LoadOptions;
+use crate::files::atomic_file::directory_of;
 use crate::files::file_kind::ends_in;
-use crate::files::regular_file;
-use crate::files::regular_file::ReadError;
+use crate::files::regular_file::{self, ReadError};
 use std::io::{self, BufRead, BufReader, Read};
 use std::path::{Component, Path, PathBuf};
 
@@ -20,8 +20,10 @@ pub struct FileRead {
 /// A file, or bytes in memory, hashed while they are read.
 pub(super) struct VolumeSource<'b> {
     path: PathBuf,
+    /// Bytes in all.
+    pub length: u64,
     /// Bytes that are left.
-    remaining: u64,
+    pub remaining: u64,
     /// Lines that ended before the next byte, where a reader of text counts them.
     pub line: usize,
     reader: BufReader<Hashed<'b>>,
@@ -68,7 +70,7 @@ impl<'b> VolumeSource<'b> {
         Ok(VolumeSource::new(path, Box::new(file), length))
     }
 
-    /// Bytes of a file of that name, and those of the file of samples that it may name.
+    /// The file `name` in memory, with the bytes of the file of samples that it may name.
     pub fn of(name: &str, bytes: &'b [u8], samples: Option<&'b [u8]>) -> VolumeSource<'b> {
         VolumeSource {
             beside: Beside::Memory(samples),
@@ -80,6 +82,7 @@ impl<'b> VolumeSource<'b> {
         let hasher = blake3::Hasher::new();
         VolumeSource {
             path: path.to_owned(),
+            length,
             remaining: length,
             line: 0,
             reader: BufReader::with_capacity(1 << 16, Hashed { bytes, hasher }),
@@ -88,12 +91,7 @@ impl<'b> VolumeSource<'b> {
         }
     }
 
-    /// Bytes that are left.
-    pub fn remaining(&self) -> u64 {
-        self.remaining
-    }
-
-    /// The name of the file ends in `ending`, in capitals or not.
+    /// True if the name of the file ends in `ending`, in capitals or not.
     pub fn ends_in(&self, ending: &str) -> bool {
         ends_in(&self.path, ending)
     }
@@ -149,7 +147,7 @@ impl<'b> VolumeSource<'b> {
         io::copy(&mut self.take(count), &mut io::sink()).map(drop)
     }
 
-    /// All bytes, if they are at most so many, with the remedy else.
+    /// All bytes; an error with the `remedy` if they are more than `most`.
     pub fn all(&mut self, most: u64, remedy: &str) -> Result<Vec<u8>, VolumeFault> {
         let length = self.remaining;
         if length > most {
@@ -210,15 +208,8 @@ fn backslashes(path: &Path) -> String {
 /// missing.
 fn away(header: &Path, data: &Path) -> Option<PathBuf> {
     let data = data.canonicalize().ok()?;
-    let named = match header.parent() {
-        Some(folder) if folder != Path::new("") => folder,
-        _ => Path::new("."),
-    };
-    let (named, real) = (named.canonicalize().ok()?, header.canonicalize().ok()?);
-    let folders = [Some(named.as_path()), real.parent()];
-    let inside = folders
-        .into_iter()
-        .flatten()
-        .any(|folder| data.starts_with(folder));
+    let named = directory_of(header).canonicalize().ok()?;
+    let real = header.canonicalize().ok()?;
+    let inside = data.starts_with(named) || data.starts_with(directory_of(&real));
     (!inside).then_some(data)
 }

@@ -1,9 +1,18 @@
 //! Splatting of a point cloud: every point shares its weight among the nodes around it.
 
 use super::error::{VolumeFault, refused};
-use super::{CloudPoint, Grid, Lattice};
+use super::{Grid, Lattice};
 use crate::geometry::{Aabb, InvalidParameter};
 use glam::DVec3;
+
+/// A point of a cloud.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CloudPoint {
+    /// World position, finite.
+    pub position: DVec3,
+    /// Density it carries, finite and not negative; 1 where the file gives none.
+    pub weight: f64,
+}
 
 /// Resolution of the grid of a point cloud.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

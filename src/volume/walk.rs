@@ -86,37 +86,20 @@ impl Iterator for Walk {
             return None;
         }
         loop {
-            let axis = {
-                let DVec3 { x, y, z } = self.crossing;
-                if x <= y && x <= z {
-                    0
-                } else if y <= z {
-                    1
+            let axis = self.crossing.min_position();
+            let (cell, crossing) = (self.cell, self.crossing[axis]);
+            if crossing < far {
+                if self.direction[axis] > 0.0 {
+                    self.cell[axis] += 1;
                 } else {
-                    2
+                    self.cell[axis] -= 1;
                 }
-            };
-            let cell = self.cell;
-            let crossing = self.crossing[axis];
-            if crossing >= far {
-                self.rest.near = far;
-                return Some(Visit {
-                    cell,
-                    span: Span { near, far },
-                });
+                self.crossing[axis] = self.exit(axis);
             }
-            if self.direction[axis] > 0.0 {
-                self.cell[axis] += 1;
-            } else {
-                self.cell[axis] -= 1;
-            }
-            self.crossing[axis] = self.exit(axis);
-            if crossing > near {
-                self.rest.near = crossing;
-                let span = Span {
-                    near,
-                    far: crossing,
-                };
+            let end = crossing.min(far);
+            if end > near {
+                self.rest.near = end;
+                let span = Span::new(near, end);
                 return Some(Visit { cell, span });
             }
         }

@@ -10,7 +10,7 @@ use crate::common::estimators::*;
 use crate::common::quadrature::integral;
 use glam::DVec3;
 use std::f64::consts::TAU;
-use volref::geometry::{Aabb, Boundary, Camera, Direction, Ray, Solid, Sphere};
+use volref::geometry::{Aabb, Boundary, Camera, Direction, Line, Ray, Solid, Sphere};
 use volref::math::quadrature::cubic_integral;
 use volref::math::rng::{Purpose, Stream};
 use volref::math::sampling::*;
@@ -253,7 +253,7 @@ fn length_in(solid: &impl Solid, entry: &Entry) -> f64 {
 }
 
 fn linear_depth(entry: &Entry) -> f64 {
-    let line = DensityLine {
+    let line = Line {
         origin: entry.vector("origin"),
         direction: *Direction::of(entry.vector("direction_unnormalised")).unwrap(),
     };

@@ -6,11 +6,6 @@ use std::path::{Path, PathBuf};
 use volref::scene::{Model, Scene};
 use volref::volume::*;
 
-const SPLATTING: Splatting = Splatting {
-    resolution: Some(4),
-    padding: 1,
-};
-
 /// An empty folder of this test's own.
 fn folder(name: &str) -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
@@ -21,7 +16,14 @@ fn folder(name: &str) -> PathBuf {
 
 /// The message for `path`, without the folder in front of it.
 fn message(folder: &Path, path: &Path) -> String {
-    let message = load(path, &SPLATTING.into()).unwrap_err().to_string();
+    let options = LoadOptions {
+        splatting: Splatting {
+            resolution: Some(4),
+            padding: 1,
+        },
+        ..LoadOptions::default()
+    };
+    let message = load(path, &options).unwrap_err().to_string();
     let front = format!("{}{}", folder.display(), std::path::MAIN_SEPARATOR);
     match message.strip_prefix(&front) {
         Some(rest) => rest.to_owned(),

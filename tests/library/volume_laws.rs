@@ -4,7 +4,7 @@ use crate::common;
 use glam::DVec3;
 use proptest::prelude::*;
 use std::sync::Arc;
-use volref::geometry::{Aabb, Ray};
+use volref::geometry::{Aabb, Line, Ray};
 use volref::math::{Sum, powu};
 use volref::volume::*;
 
@@ -289,7 +289,7 @@ proptest! {
         prop_assume!((target - origin).length() > 1e-3);
         let ray = Ray::new(origin, target - origin).unwrap();
         let Some(span) = bounds.span(&ray) else { return Ok(()); };
-        for visit in blocks.walk(ray.origin, *ray.direction, span) {
+        for visit in blocks.walk(&Line::from(&ray), span) {
             let range = blocks.range_in(visit.cell);
             let block = blocks.cell_bounds(visit.cell);
             let point = ray.at(visit.span.near + t * visit.span.length());

@@ -1,6 +1,6 @@
 //! A projection or isosurfaces of a volume in words and numbers.
 
-use super::inline_arrays::{Entries, Json, entries};
+use super::inline_arrays::{Entries, entries};
 use crate::scene::{Classified, Isosurface, Isosurfaces, Mode, Projected, Projection};
 
 /// Entries of a projection or of isosurfaces; none of composited samples.
@@ -75,13 +75,11 @@ fn of_surfaces(isosurfaces: &Isosurfaces, scene: &Classified) -> Entries {
         }
     };
     let surface = |surface: &Isosurface| {
-        Json::Object(entries! {
-            "value": surface.value, "colour": surface.colour, "opacity": surface.opacity,
-        })
+        entries! { "value": surface.value, "colour": surface.colour, "opacity": surface.opacity }
     };
-    let surfaces = isosurfaces.surfaces.iter().map(surface).collect();
+    let surfaces: Vec<Entries> = isosurfaces.surfaces.iter().map(surface).collect();
     entries! {
-        "name": scene.mode.name(), "exact": scene.is_exact(), "surfaces": Json::List(surfaces),
+        "name": scene.mode.name(), "exact": scene.is_exact(), "surfaces": surfaces,
         "passed": passed, "light": light, "pixel": pixel,
     }
 }

@@ -21,11 +21,11 @@ pub(super) fn described(panel: &Panel, scene: &Radiative, raw: &mut SharedFiles)
         raw,
         formulas: entries! { "radiance": RADIANCE, "shape": SHAPE },
     };
-    let surfaces: Vec<Json> = scene.objects.iter().map(|it| parts.surface(it)).collect();
+    let surfaces: Vec<_> = scene.objects.iter().map(|it| parts.surface(it)).collect();
     let area_lights = scene.area_lights.iter();
-    let area_lights: Vec<Json> = area_lights.map(|it| parts.area_light(it)).collect();
-    let lights: Vec<Json> = scene.lights.iter().map(|it| parts.light(it)).collect();
-    let media: Vec<Json> = scene.media.iter().map(|it| parts.medium(it)).collect();
+    let area_lights: Vec<_> = area_lights.map(|it| parts.area_light(it)).collect();
+    let lights: Vec<_> = scene.lights.iter().map(|it| parts.light(it)).collect();
+    let media: Vec<_> = scene.media.iter().map(|it| parts.medium(it)).collect();
     let samples = entries! { "per_pixel": scene.samples, "seed": scene.seed, "rule": SAMPLES };
     entries! {
         "shows": "radiance", "ray": ray(&scene.camera),
@@ -46,7 +46,7 @@ struct Parts<'p, 'n> {
 }
 
 impl Parts<'_, '_> {
-    fn surface(&mut self, Object { shape, material }: &Object) -> Json {
+    fn surface(&mut self, Object { shape, material }: &Object) -> Entries {
         let (shape, matrix) = of_shape(forms::shape(shape), |mesh| self.raw.mesh(mesh));
         let (kind, key, value, formula) = match material {
             Material::Diffuse(share) => ("diffuse", "reflectance", (*share).into(), DIFFUSE),
@@ -56,10 +56,10 @@ impl Parts<'_, '_> {
         self.define(kind, formula);
         let mut surface = entries! { "shape": shape, "matrix": matrix, "material": kind };
         surface.push((key, value));
-        surface.into()
+        surface
     }
 
-    fn area_light(&mut self, light: &AreaLight) -> Json {
+    fn area_light(&mut self, light: &AreaLight) -> Entries {
         self.define("area_light", AREA_LIGHT);
         let shape = forms::luminous(&light.shape);
         let (shape, matrix) = of_shape(shape, |mesh| self.raw.mesh(mesh));
@@ -67,13 +67,13 @@ impl Parts<'_, '_> {
             Sides::Front => "front",
             Sides::Both => "both",
         };
-        Json::Object(entries! {
+        entries! {
             "shape": shape, "matrix": matrix, "radiance": light.radiance, "sides": sides,
-        })
+        }
     }
 
-    fn light(&mut self, light: &Light) -> Json {
-        Json::Object(match light {
+    fn light(&mut self, light: &Light) -> Entries {
+        match light {
             Light::Point(light) => self.named(
                 ("point", POINT),
                 entries! { "position": light.position, "intensity": light.intensity },
@@ -89,34 +89,34 @@ impl Parts<'_, '_> {
                 ("directional", DIRECTIONAL),
                 entries! { "direction": *light.direction, "irradiance": light.irradiance },
             ),
-        })
+        }
     }
 
-    fn medium(&mut self, body: &Body) -> Json {
+    fn medium(&mut self, body: &Body) -> Entries {
         self.define("medium", MEDIUM);
         let placing = body.boundary.as_ref().map(forms::boundary);
         let shape = placing.map(|it| of_shape(it, |mesh| self.raw.mesh(mesh)));
         let (shape, matrix) = shape.unzip();
         let density = body.density.as_ref().map(|it| self.density(it));
         let (coefficients, phase) = (&body.medium.coefficients, self.phase(&body.medium.phase));
-        Json::Object(entries! {
-            "shape": shape, "matrix": matrix.unwrap_or(().into()),
-            "sigma_a": coefficients.sigma_a(), "sigma_s": coefficients.sigma_s(),
-            "emission": body.medium.emission, "phase": phase, "density": density,
-        })
+        entries! {
+            "shape": shape, "matrix": matrix, "sigma_a": coefficients.sigma_a(),
+            "sigma_s": coefficients.sigma_s(), "emission": body.medium.emission, "phase": phase,
+            "density": density,
+        }
     }
 
     fn density(&mut self, density: &Density) -> Entries {
         match density.field() {
             Field::Grid(field) => {
-                let file = self.raw.grid(field.shared());
+                let file = self.raw.grid(field.grid());
                 let mut numbers = grid(field.grid().lattice(), None, file);
-                numbers.push(("interpolation", interpolation(field.interpolation())));
+                numbers.extend(entries! { "interpolation": interpolation(field.interpolation()) });
                 self.named(("grid", GRID), numbers)
             }
             Field::Noise(noise) => {
-                self.define("permutation", NOISE_PERMUTATION.to_vec());
-                self.define("gradients", NOISE_GRADIENTS.to_vec());
+                self.define("permutation", NOISE_PERMUTATION);
+                self.define("gradients", NOISE_GRADIENTS);
                 let it = noise.parameters();
                 let numbers = entries! {
                     "octaves": it.octaves, "lacunarity": it.lacunarity, "gain": it.gain, "scale": it.scale,
@@ -124,19 +124,16 @@ impl Parts<'_, '_> {
                 };
                 self.named(("noise", NOISE), numbers)
             }
-            Field::Exponential(layer) => {
-                let (density, base, up, scale_height) = layer.parameters();
-                let numbers = entries! {
-                    "density": density, "base": base, "up": *up, "scale_height": scale_height,
-                };
-                self.named(("exponential", EXPONENTIAL), numbers)
-            }
-            Field::Linear(ramp) => {
-                let numbers = entries! {
-                    "density": ramp.density, "origin": ramp.origin, "gradient": ramp.gradient,
-                };
-                self.named(("linear", LINEAR), numbers)
-            }
+            Field::Exponential(it) => self.named(
+                ("exponential", EXPONENTIAL),
+                entries! {
+                    "density": it.density, "base": it.base, "up": *it.up, "scale_height": it.scale_height,
+                },
+            ),
+            Field::Linear(it) => self.named(
+                ("linear", LINEAR),
+                entries! { "density": it.density, "origin": it.origin, "gradient": it.gradient },
+            ),
             Field::Blob(it) => self.named(
                 ("blob", BLOB),
                 entries! { "centre": it.centre, "width": it.width, "peak": it.peak },

@@ -1,7 +1,7 @@
 //! Several volumes, surfaces and clips in words and numbers.
 
-use super::clips::{CLIP, clip};
-use super::inline_arrays::{Entries, Json, entries};
+use super::clips::{CLIP, clips};
+use super::inline_arrays::{Entries, entries};
 use super::shapes::{of_mesh, of_shape};
 use super::volume::{SAMPLING, grid_of, light, look, radiance, ray, shading};
 use crate::exchange::files::SharedFiles;
@@ -10,63 +10,46 @@ use crate::scene::{Classified, Modulation, OpaqueSurface};
 
 /// All that is computed for a picture of `scene`, whose grids go to `raw`.
 pub(super) fn described(scene: &Classified, raw: &mut SharedFiles) -> Entries {
+    let (sampling, merging) = match scene.continuous {
+        true => (WITHOUT_SAMPLES, MERGING_WITHOUT_SAMPLES),
+        false => (SAMPLING, MERGING),
+    };
     let volumes = scene.each_alone().enumerate();
     let volumes = volumes.map(|(index, alone)| {
-        let file = raw.grid(&alone.grid);
         let clips = scene.objects.clips.iter().enumerate();
         let clips = clips.filter(|(_, clip)| clip.cuts(index));
         let clips: Vec<usize> = clips.map(|(number, _)| number).collect();
-        volume(
-            &alone,
-            file,
-            clips,
-            scene.modulation_of(index).map(|it| modulated(it, raw)),
-        )
+        let mut volume = entries! {
+            "grid": grid_of(&alone, raw.grid(&alone.grid)), "clips": clips,
+        };
+        volume.extend(look(&alone, sampling));
+        volume.push(("radiance", radiance(&alone).into()));
+        let modulation = scene.modulation_of(index);
+        volume.extend(modulation.map(|it| ("modulation", modulated(it, raw).into())));
+        volume
     });
-    let volumes = volumes.collect();
-    let surfaces = scene.objects.surfaces.iter().map(surface).collect();
-    let clips = scene.objects.clips.iter().map(clip).collect();
-    let shadow = scene.shadow.map(|_| SHADOW);
-    let merging = if scene.continuous {
-        MERGING_WITHOUT_SAMPLES
-    } else {
-        MERGING
-    };
+    let volumes: Vec<Entries> = volumes.collect();
+    let surfaces: Vec<Entries> = scene.objects.surfaces.iter().map(surface).collect();
     entries! {
-        "shows": "volumes", "ray": ray(&scene.camera), "volumes": Json::List(volumes),
-        "surfaces": Json::List(surfaces), "surface": SURFACE, "clips": Json::List(clips),
-        "clip": CLIP, "light": light(scene.light), "shadow": shadow, "merging": merging,
+        "shows": "volumes", "ray": ray(&scene.camera), "volumes": volumes, "surfaces": surfaces,
+        "surface": SURFACE, "clips": clips(&scene.objects.clips), "clip": CLIP,
+        "light": light(scene.light), "shadow": scene.shadow.map(|_| SHADOW), "merging": merging,
         "background": scene.background,
     }
 }
 
-fn volume(alone: &Classified, file: String, clips: Vec<usize>, modulation: Option<Json>) -> Json {
-    let mut entries = entries! { "grid": grid_of(alone, file), "clips": clips };
-    let sampling = if alone.continuous {
-        WITHOUT_SAMPLES
-    } else {
-        SAMPLING
-    };
-    entries.extend(look(alone, sampling));
-    entries.push(("radiance", radiance(alone).into()));
-    entries.extend(modulation.map(|modulation| ("modulation", modulation)));
-    Json::Object(entries)
-}
-
-fn modulated(Modulation { grid, factors }: &Modulation, raw: &mut SharedFiles) -> Json {
+fn modulated(Modulation { grid, factors }: &Modulation, raw: &mut SharedFiles) -> Entries {
     let points = factors.points().iter();
-    let points = points.map(|point| Json::from([point.value, point.opacity]));
-    Json::Object(entries! {
-        "file": raw.grid(grid), "points": Json::List(points.collect()), "formula": MODULATION,
-    })
+    let points: Vec<[f64; 2]> = points.map(|point| [point.value, point.opacity]).collect();
+    entries! { "file": raw.grid(grid), "points": points, "formula": MODULATION }
 }
 
-fn surface(surface: &OpaqueSurface) -> Json {
+fn surface(surface: &OpaqueSurface) -> Entries {
     let (mut entries, matrix) = of_shape(forms::shape(&surface.shape), of_mesh);
     entries.extend(entries! {
         "matrix": matrix, "colour": surface.colour, "phong": surface.phong.map(shading),
     });
-    Json::Object(entries)
+    entries
 }
 
 const SURFACE: &str = "surfaces are opaque. With a matrix, the point q of a shape stands at p = M*q + o in the \

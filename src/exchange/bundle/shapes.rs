@@ -25,17 +25,12 @@ pub(super) fn of_shape(
 
 /// The rows of a map.
 pub(super) fn matrix(to_world: &Transform) -> Json {
-    let rows = to_world.rows().map(|row| Json::from(Vec::from(row)));
-    Json::List(rows.into())
+    to_world.rows().into()
 }
 
 /// A mesh with its numbers inline.
 pub(super) fn of_mesh(mesh: &Mesh) -> Entries {
-    let vertices = mesh.vertices().iter();
-    let vertices = vertices.map(|vertex| Json::from(Vec::from(vertex.to_array())));
-    let faces = mesh.faces().iter().map(|face| Json::from(Vec::from(*face)));
     entries! {
-        "kind": "mesh", "vertices": Json::List(vertices.collect()),
-        "triangles": Json::List(faces.collect()),
+        "kind": "mesh", "vertices": mesh.vertices().to_vec(), "triangles": mesh.faces().to_vec(),
     }
 }

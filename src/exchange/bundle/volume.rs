@@ -1,7 +1,7 @@
 //! A classified volume in words and numbers.
 
-use super::clips::{CLIP, clip};
-use super::inline_arrays::{Entries, Json, entries};
+use super::clips::{CLIP, clips};
+use super::inline_arrays::{Entries, entries};
 use super::shapes::matrix;
 use super::{modes, points};
 use crate::geometry::{Camera, Transform};
@@ -27,11 +27,10 @@ pub(super) fn described(scene: &Classified, file: String) -> Entries {
     entries.extend(look(scene, formula));
     entries.push(("light", is_lit.then(|| light(scene.light)).into()));
     if !scene.objects.clips.is_empty() {
-        let clips = scene.objects.clips.iter().map(clip).collect();
-        entries.extend(entries! { "clips": Json::List(clips), "clip": CLIP });
+        entries.extend(entries! { "clips": clips(&scene.objects.clips), "clip": CLIP });
     }
     match mode {
-        Some(mode) => entries.push(("mode", Json::Object(mode))),
+        Some(mode) => entries.push(("mode", mode.into())),
         None => entries.extend(entries! {
             "radiance": radiance(scene), "compositing": compositing(scene),
         }),
@@ -42,7 +41,7 @@ pub(super) fn described(scene: &Classified, file: String) -> Entries {
         );
         entries.push(("early_termination", rule.into()));
     }
-    entries.push(("background", scene.background.to_array().into()));
+    entries.push(("background", scene.background.into()));
     entries
 }
 
@@ -60,8 +59,8 @@ pub(super) fn look(scene: &Classified, formula: &str) -> Entries {
 }
 
 /// A choice, and its meaning.
-fn method(name: &str, formula: &str) -> Json {
-    Json::Object(entries! { "method": name, "formula": formula })
+fn method(name: &str, formula: &str) -> Entries {
+    entries! { "method": name, "formula": formula }
 }
 
 pub(super) fn ray(camera: &Camera) -> Entries {
@@ -135,7 +134,7 @@ const PLACEMENT: &str = "the matrix has three rows of four numbers: with M its f
     and is not made a line of unit direction: t, steps and lengths are of the world. Gradients of the \
     world are the transpose of M^-1, times those of the grid; eye, light and shading are of the world";
 
-pub(super) fn interpolation(interpolation: Interpolation) -> Json {
+pub(super) fn interpolation(interpolation: Interpolation) -> Entries {
     match interpolation {
         Interpolation::Nearest => method(
             "nearest",
@@ -160,10 +159,7 @@ pub(super) const SAMPLING: &str = "t0 and t1 are where the ray enters and leaves
     t0) - (n - 1)*step, its sample in its middle at t = t0 + (n - 1)*step + h/2";
 
 fn transfer(transfer_function: &TransferFunction) -> Entries {
-    let mut entries = vec![(
-        "reference_length",
-        transfer_function.reference_length.into(),
-    )];
+    let mut entries = entries! { "reference_length": transfer_function.reference_length };
     match &transfer_function.appearance {
         Appearance::Formula {
             opacity,
@@ -176,12 +172,11 @@ fn transfer(transfer_function: &TransferFunction) -> Entries {
             let formula = "at density d a step of length h has the opacity a = 1 - T(d)^(h/reference_length), where \
                            T(d) = min(1, max(0, (exp(-d^2) - floor)/(1 - floor))) is the transparency of one \
                            reference_length";
-            let colours: Vec<_> = colormap.stops().iter().map(DVec3::to_array).collect();
             let colour = "linear RGB, in straight lines between the m colours, which are evenly spaced from d = 0 to \
                           d = 1: with s = min(d, 1)*(m - 1) and k = floor(s), colour(d) = colours[k] + (colours[k+1] \
                           - colours[k])*(s - k); from d = 1 on, and for m = 1, the last";
             entries.extend(entries! {
-                "kind": "formula", "floor": opacity.floor, "opacity": formula, "colours": colours,
+                "kind": "formula", "floor": opacity.floor, "opacity": formula, "colours": colormap.stops().to_vec(),
                 "colour": colour,
             });
         }
@@ -254,7 +249,7 @@ pub(super) fn radiance(scene: &Classified) -> String {
     format!("a sample of value d emits L = {strength}{colour}{visibility}")
 }
 
-fn compositing(scene: &Classified) -> Json {
+fn compositing(scene: &Classified) -> Entries {
     if scene.continuous {
         return method(
             "continuous",

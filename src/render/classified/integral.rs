@@ -185,7 +185,7 @@ impl<'s> RayIntegrator<'s> {
             scene,
             volumes: parts.map(Field::of).collect(),
             brightest: scene.brightest(),
-            collocation: Collocation::new(),
+            collocation: Collocation::default(),
         }
     }
 

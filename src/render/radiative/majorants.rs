@@ -1,7 +1,7 @@
 //! A heterogeneous medium along a ray: majorants block by block, densities in between.
 
-use crate::geometry::{Aabb, Ray, Span};
-use crate::optics::{Density, DensityLine};
+use crate::geometry::{Aabb, Line, Ray, Span};
+use crate::optics::Density;
 use crate::volume::{DensityField, DensityRange, Visit, Walk};
 
 /// The blocks of a heterogeneous medium along a ray.
@@ -9,7 +9,7 @@ use crate::volume::{DensityField, DensityRange, Visit, Walk};
 pub struct HeterogeneousSegment {
     /// Index of the medium among those of the scene.
     pub medium: usize,
-    line: DensityLine,
+    line: Line,
     walk: Walk,
     /// The visit to the block behind the present gap.
     next_visit: Option<Visit>,

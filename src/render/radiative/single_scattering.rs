@@ -45,7 +45,7 @@ const MARGIN: f64 = 1e-9;
 /// `(v·a)² = c² v²`, with `v` from the light to the ray, `a` the axis and `c` the cosine; it is
 /// whatever lies between those roots and is lit.
 fn within_cone(spot: &Spot, ray: &Ray, span: Span) -> Option<Span> {
-    if spot.cos_outer() <= 0.0 {
+    if spot.cos_outer <= 0.0 {
         return Some(span);
     }
     let ConeRoots {
@@ -166,7 +166,7 @@ struct ConeRoots {
 
 impl ConeRoots {
     fn new(spot: &Spot, ray: &Ray) -> ConeRoots {
-        let c = spot.cos_outer();
+        let c = spot.cos_outer;
         // Both measured from the foot of the perpendicular from the light, where v² is smallest.
         let foot = (spot.position - ray.origin).dot(*ray.direction);
         let v = ray.at(foot) - spot.position;

@@ -44,7 +44,7 @@ pub(super) fn grids(
     let mut occurs = false;
     for density in scene.media.iter_mut().flat_map(|body| &mut body.density) {
         if let Field::Grid(field) = density.field()
-            && let Some((grid, interpolation)) = edit(field.shared(), field.interpolation())
+            && let Some((grid, interpolation)) = edit(field.grid(), field.interpolation())
         {
             *density = density.with_field(Field::Grid(GridDensity::new(grid, interpolation)));
             occurs = true;

@@ -3,7 +3,7 @@
 use super::NrrdHeader;
 use super::geometry;
 use crate::volume::error::VolumeFault;
-use crate::volume::header_field::{HeaderField, HeaderFields, in_line, missing};
+use crate::volume::header_field::{HeaderFields, in_line};
 use crate::volume::{Element, Encoding, Endian, Layout};
 
 /// As Teem: more axes than anybody uses.
@@ -84,14 +84,13 @@ pub(super) fn take(fields: &mut HeaderFields, text: &str, line: usize) -> Result
             "{name:?} is not a field of the format: correct it, or put `#` before it"
         ))
     })?;
-    let value = value.trim();
+    fields.add(field, value.trim(), line)?;
     if field == "data file" {
         // Here, as a list of names follows the field up to the end of the header.
-        let name = field;
-        HeaderField { name, value, line }
-            .one_file("join them into one, as by `unu save -f nrrd -i several.nhdr -o one.nrrd`")?;
+        let remedy = "join them into one, as by `unu save -f nrrd -i several.nhdr -o one.nrrd`";
+        fields.required(field)?.one_file(remedy)?;
     }
-    fields.add(field, value, line)
+    Ok(())
 }
 
 /// The header that its fields state.
@@ -101,31 +100,22 @@ pub(super) fn header(fields: &HeaderFields) -> Result<NrrdHeader, VolumeFault> {
     let dimension = dimension.number(expected, |&n: &usize| (1..=MOST_AXES).contains(&n))?;
     let element = element(fields)?;
     let encoding = encoding(fields)?;
-    let data_file = fields.get("data file").map(|field| field.value.to_owned());
-    let endian = match fields.get("endian") {
-        Some(field) => match field.value.to_ascii_lowercase().as_str() {
+    let data_file = fields.get("data file").map(|field| field.value.clone());
+    let needs_endian = element.bytes() > 1 && encoding != Encoding::Text;
+    let endian = if needs_endian || fields.get("endian").is_some() {
+        let field = fields.required("endian")?;
+        match field.value.to_ascii_lowercase().as_str() {
             "little" => Endian::Little,
             "big" => Endian::Big,
             _ => return Err(field.wrong("little or big")),
-        },
-        None if element.bytes() == 1 || encoding == Encoding::Text => Endian::Little,
-        None => return Err(missing("endian")),
+        }
+    } else {
+        Endian::Little
     };
-    let sizes = fields.required("sizes")?;
-    let expected = "positive whole numbers";
-    let sizes: Vec<u64> = sizes.each(dimension, |text| {
-        let size = text.parse().ok().filter(|&size| size > 0);
-        size.ok_or_else(|| sizes.wrong(expected))
-    })?;
-    let axes = geometry::axes(fields, &sizes)?;
+    let axes = geometry::axes(fields, &fields.sizes("sizes", dimension)?)?;
     let line_skip = match fields.get("line skip") {
         Some(field) => field.number("a number of lines", |_| true)?,
         None => 0,
-    };
-    let byte_skip = match fields.get("byte skip") {
-        Some(field) if field.value == "-1" => None,
-        Some(field) => Some(field.number("a number of bytes, or -1", |_| true)?),
-        None => Some(0),
     };
     Ok(NrrdHeader {
         layout: Layout {
@@ -136,7 +126,7 @@ pub(super) fn header(fields: &HeaderFields) -> Result<NrrdHeader, VolumeFault> {
         },
         data_file,
         line_skip,
-        byte_skip,
+        byte_skip: fields.byte_skip("byte skip")?,
     })
 }
 

@@ -76,11 +76,9 @@ pub(super) fn axes(fields: &HeaderFields, sizes: &[u64]) -> Result<Axes, VolumeF
     let dimension = sizes.len();
     let mut roles = roles(fields, sizes)?;
     let directions = directions(fields, sizes)?;
-    if let Some(directions) = &directions {
-        for (role, direction) in roles.iter_mut().zip(directions) {
-            if direction.is_none() {
-                *role = Role::Other;
-            }
+    for (role, direction) in roles.iter_mut().zip(directions.iter().flatten()) {
+        if direction.is_none() {
+            *role = Role::Other;
         }
     }
     let kept = kept_axes(sizes, &roles)?;
@@ -98,7 +96,7 @@ pub(super) fn axes(fields: &HeaderFields, sizes: &[u64]) -> Result<Axes, VolumeF
     let mins = numbers("axis mins", "finite", f64::is_finite)?;
     let maxs = numbers("axis maxs", "finite", f64::is_finite)?;
     let origin = match fields.get("space origin") {
-        Some(field) => field.vector_in(field.value)?,
+        Some(field) => field.vector_in(&field.value)?,
         None => None,
     };
     axes.first = origin.unwrap_or_default();
@@ -140,7 +138,7 @@ fn centring(
 
 /// Numbers of the axes that are kept; `None` where they are unknown.
 fn numbers(
-    field: HeaderField,
+    field: &HeaderField,
     expected: &str,
     accepts: fn(f64) -> bool,
     dimension: usize,
@@ -220,7 +218,7 @@ fn kept_axes(sizes: &[u64], roles: &[Role]) -> Result<[usize; 3], VolumeFault> {
 const ONE_VOLUME: &str = "a volume has three, and one value per sample; write one index of any other axis to a file of \
     its own, as by `unu slice -a 3 -p 0 -i all.nrrd -o one.nrrd`, and a plane with a third axis of a single sample";
 
-impl HeaderField<'_> {
+impl HeaderField {
     /// The error of an axis that is not of space, and has several samples.
     fn no_space(&self, axis: usize) -> VolumeFault {
         let ordinal = axis + 1;

@@ -115,8 +115,7 @@ impl GridCase {
     }
 
     fn integral_over(&self, span: Span) -> f64 {
-        let Ray { origin, direction } = self.ray;
-        self.density.integral(origin, *direction, span, &mut 0)
+        self.density.integral(&self.ray, span, &mut 0)
     }
 
     /// The bound on its rounding.
@@ -178,7 +177,7 @@ proptest! {
         let GridCase { density, ray, span } = case;
         let [nx, ny, nz] = density.grid().lattice().nodes();
         let (mut at, mut count) = (span.near, 0);
-        for piece in density.smooth_segments(ray.origin, *ray.direction, span) {
+        for piece in density.smooth_segments(&ray, span) {
             prop_assert_eq!(piece.near, at);
             prop_assert!(piece.length() > 0.0);
             (at, count) = (piece.far, count + 1);

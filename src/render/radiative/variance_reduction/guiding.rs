@@ -77,7 +77,7 @@ impl Guiding {
             match light {
                 Light::Point(point) => others.push((point.position, strength)),
                 Light::Spot(spot) => {
-                    let solid_angle = 2.0 * PI * (1.0 - spot.cos_outer());
+                    let solid_angle = 2.0 * PI * (1.0 - spot.cos_outer);
                     others.push((spot.position, strength * solid_angle / (4.0 * PI)));
                 }
                 Light::Directional(_) => everywhere += strength,

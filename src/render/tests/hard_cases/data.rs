@@ -29,7 +29,7 @@ const BOTH: [Interpolation; 2] = [Interpolation::Nearest, Interpolation::Triline
 /// `∫ density dt` along `ray`, and how long the ray is in the box.
 fn depth(density: &GridDensity, ray: &Ray) -> (f64, f64) {
     let inside = density.bounds().span(ray).unwrap_or(Span::new(0.0, 0.0));
-    let depth = density.integral(ray.origin, *ray.direction, inside, &mut 0);
+    let depth = density.integral(ray, inside, &mut 0);
     (depth, inside.length())
 }
 

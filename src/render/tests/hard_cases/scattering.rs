@@ -281,7 +281,7 @@ fn s9_spotlight_edge() {
     let Ok(spot) = spot else {
         return margin.holds("a sharp edge is a spotlight", false);
     };
-    let edge = spot.cos_outer();
+    let edge = spot.cos_outer;
     let towards = |sine, cosine| Direction::unit(DVec3::new(sine, 0.0, cosine));
     let on = towards((1.0 - edge * edge).sqrt(), edge);
     margin.exact("on the edge", spot.falloff(on), 0.0);
