@@ -4,7 +4,7 @@
 //! it in the world is not applied to them, and stands in the scene.
 
 use super::{Export, Format, Refusal};
-use crate::film::npy_header;
+use crate::files::npy_header::npy_header;
 use crate::scene::Scene;
 use crate::volume::{Centring, Grid};
 use std::fmt::Display;

@@ -6,6 +6,7 @@ pub(crate) mod file_kind;
 pub(crate) mod golden_mark;
 pub(crate) mod gzip;
 pub(crate) mod misspelling;
+pub(crate) mod npy_header;
 pub(crate) mod own_file;
 pub(crate) mod partial_file;
 pub(crate) mod program_hash;

@@ -26,7 +26,6 @@ pub use format::FilmFormat;
 pub use layered_file::LayeredFilm;
 pub use noise::Noise;
 use noise::is_sound;
-pub(crate) use npy_file::{NpyHeader, npy_header};
 pub use quantisation::{Bits, Encoding, Origin, Quantisation};
 
 /// Names of the channels of a pixel.

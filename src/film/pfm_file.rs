@@ -31,8 +31,11 @@ fn word(bytes: &[u8]) -> Result<(&str, &[u8]), FilmError> {
 fn length<'b>(bytes: &'b [u8], what: &str) -> Result<(usize, &'b [u8]), FilmError> {
     let (text, rest) = word(bytes)?;
     let length = text.parse();
-    let length =
-        length.map_err(|_| unreadable(format!("{text:?} is not a whole number of {what}")))?;
+    let length = length.map_err(|_| {
+        unreadable(format!(
+            "{text:?} is no whole number, as the number of {what} must be"
+        ))
+    })?;
     Ok((length, rest))
 }
 

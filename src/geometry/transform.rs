@@ -87,7 +87,7 @@ impl Transform {
         // the volume of the columns' box has no correct digit, not even its sign.
         let least = 32.0 * f64::EPSILON * (a.length() * b.length() * c.length());
         let message = format_args!(
-            "the matrix maps space onto a plane (determinant {}); give three independent columns",
+            "the matrix maps space onto a plane (determinant {}): its columns are linearly dependent; correct one of them",
             linear.determinant()
         );
         let is_singular = scale == 0.0 || determinant.abs() <= least;

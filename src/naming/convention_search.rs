@@ -87,7 +87,7 @@ fn set_verdict(result: &mut CaseResult, accepted: bool, rest: &str) {
     };
     let conventions = result.conventions.join("; ");
     result.reason = format!(
-        "differs by convention: it {conventions}. The right image under them agrees with it{rest}"
+        "differs by convention: it {conventions}. volref's image under these conventions agrees with it{rest}"
     );
 }
 

@@ -29,20 +29,20 @@ pub fn split(direction: Direction, normal: Direction, ratio: f64) -> Split {
     }
     let cos_in = (-direction.cosine_to(normal)).clamp(0.0, 1.0);
     // sin² = (1 − cos)(1 + cos): no cancellation at grazing or at normal incidence.
-    let sine_squared_out = ratio * ratio * ((1.0 - cos_in) * (1.0 + cos_in));
-    if sine_squared_out >= 1.0 {
+    let sin2_out = ratio * ratio * ((1.0 - cos_in) * (1.0 + cos_in));
+    if sin2_out >= 1.0 {
         return Split {
             reflectance: 1.0,
             refracted: None,
         };
     }
-    let cos_out = (1.0 - sine_squared_out).sqrt();
-    let amplitude = |a: f64, b: f64| {
+    let cos_out = (1.0 - sin2_out).sqrt();
+    let reflected_share = |a: f64, b: f64| {
         let quotient = (a - b) / (a + b);
         quotient * quotient
     };
     let reflectance =
-        0.5 * (amplitude(ratio * cos_in, cos_out) + amplitude(cos_in, ratio * cos_out));
+        0.5 * (reflected_share(ratio * cos_in, cos_out) + reflected_share(cos_in, ratio * cos_out));
     let refracted = direction * ratio + normal * (ratio * cos_in - cos_out);
     Split {
         reflectance,

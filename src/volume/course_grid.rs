@@ -134,7 +134,7 @@ mod tests {
             assert_eq!(
                 message(&file([2, 3, 2], [1.0; 3], &values)),
                 format!(
-                    "voxel (1, 1, 1), counted as stored, holds {shown}: values must be finite, \
+                    "voxel (1, 1, 1) in the order of the file holds {shown}: values must be finite, \
                      and not beyond 3.4e38; correct it, or set `replace_non_finite` \
                      beside `file` in the scene, to a value that replaces it"
                 )

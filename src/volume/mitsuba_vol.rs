@@ -190,12 +190,12 @@ mod tests {
             (
                 &whole[..50],
                 "the header declares 2 × 1 × 3 samples of uint8, 6 bytes, but 2 bytes follow it: \
-                 the file is truncated, contains something else as well, or has another type or size",
+                 the file is truncated, has extra data, or has a wrong type or size in its header",
             ),
             (
                 &[&whole[..], b"x"].concat(),
                 "the header declares 2 × 1 × 3 samples of uint8, 6 bytes, but 7 bytes follow it: \
-                 the file is truncated, contains something else as well, or has another type or size",
+                 the file is truncated, has extra data, or has a wrong type or size in its header",
             ),
             (
                 &file(1, [1 << 20; 3], 1, UNIT, &[]),

@@ -26,9 +26,9 @@ const HEADER: usize = 348;
 /// Earliest start of the data: four bytes after the header say if more header follows.
 const FIRST_DATA: u64 = 352;
 
-/// The square of a quaternion's real part that is lost in the rounding of the other three to
-/// `f32`, at most 2⁻²⁴ of each, hence 2⁻²³ of the sum of their squares; twice that. A turn by half a
-/// circle would else come out tilted by a thousandth.
+/// Below this, `1 − b² − c² − d²` of a quaternion is rounding error, and its real part counts as 0: `f32` rounds each of
+/// the three by at most 2⁻²⁴, hence the sum of their squares by 2⁻²³; twice that. A turn by half a circle would else come
+/// out tilted by a thousandth.
 const NO_COSINE: f64 = 1.0 / (1 << 22) as f64;
 
 pub(super) fn read(source: &mut VolumeSource, options: &LoadOptions) -> VolumeRead {

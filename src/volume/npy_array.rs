@@ -8,7 +8,7 @@ use super::samples::{VolumeRead, check_sizes, fill, read_grid, read_unpacked};
 use super::source::VolumeSource;
 use super::{Element, Endian, Lattice, Layout, LoadOptions};
 use crate::files::decoder::{self, Guarded};
-use crate::film::{FilmError, NpyHeader};
+use crate::files::npy_header::NpyHeader;
 use glam::DVec3;
 use std::io::{self, Cursor, Read};
 use zip::ZipArchive;
@@ -92,8 +92,8 @@ fn read_up_to(end: usize, source: &mut impl Read, bytes: &mut Vec<u8>) -> io::Re
     Ok(())
 }
 
-fn fault(error: FilmError) -> VolumeFault {
-    format!("{error}; numpy.save of an array of numbers, of shape (z, y, x), writes it right")
+fn fault(reason: String) -> VolumeFault {
+    format!("not a readable NPY array: {reason}; numpy.save of an array of numbers, of shape (z, y, x), writes it right")
         .into()
 }
 

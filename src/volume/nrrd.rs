@@ -181,7 +181,7 @@ mod tests {
             (
                 "2 2 1",
                 "kinds: RGB-color domain domain",
-                "5: axis 1 is not an axis of space: a volume has three, and one value per sample",
+                "5: axis 1 is not an axis of space: a volume has three axes, and one value per sample",
             ),
             (
                 "1 2 2",
@@ -562,7 +562,7 @@ mod tests {
             (
                 "float",
                 "1 2 nan 4 ",
-                "voxel (0, 1, 0), counted as stored, holds NaN: values must be finite",
+                "voxel (0, 1, 0) in the order of the file holds NaN: values must be finite",
             ),
             (
                 "uchar",

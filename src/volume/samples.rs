@@ -378,7 +378,7 @@ impl Samples<'_> {
                 let scaling = self.layout.scaling;
                 let value = scaling.map_or(stored, |(slope, intercept)| slope * stored + intercept);
                 refused(format!(
-                    "voxel ({i}, {j}, {k}), counted as stored, holds {value}: values must be \
+                    "voxel ({i}, {j}, {k}) in the order of the file holds {value}: values must be \
                      finite, and not beyond 3.4e38; correct it, or set \
                      `replace_non_finite` beside `file` in the scene, to a value that replaces it"
                 ))
@@ -465,8 +465,8 @@ impl Samples<'_> {
     fn wrong_length(&self, what: &str) -> String {
         let sizes = self.layout.axes.sizes.map(|size| size.to_string());
         format!(
-            "the header declares {} samples of {}, {what}: the file is truncated, contains something else as well, or \
-             has another type or size",
+            "the header declares {} samples of {}, {what}: the file is truncated, has extra data, or has a wrong type or \
+             size in its header",
             sizes.join(" × "),
             self.layout.element.name()
         )
@@ -678,7 +678,7 @@ mod tests {
         };
         assert_eq!(
             with(NonFinite::Refused).unwrap_err().to_string(),
-            "voxel (1, 0, 0), counted as stored, holds NaN: values must be finite, and not beyond \
+            "voxel (1, 0, 0) in the order of the file holds NaN: values must be finite, and not beyond \
              3.4e38; correct it, or set `replace_non_finite` beside `file` in the scene, to a value \
              that replaces it"
         );

@@ -741,7 +741,7 @@ fn impossible_placements() {
 14 | transform = [[1, 0, 0, 0], [0, 1, 0, 0]] | `transform` must be 3 rows of four numbers … help
 14 | transform = [[1, 0, 0], [0, 1, 0], [0, 0, 1]] | `transform` must be 3 rows of four numbers … help
 14 | transform = [[nan, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0]] | `transform` must be finite, got nan … help
-14 | transform = [[1, 2, 3, 0], [2, 4, 6, 0], [0, 0, 1, 0]] | maps space onto a plane … three independent columns
+14 | transform = [[1, 2, 3, 0], [2, 4, 6, 0], [0, 0, 1, 0]] | maps space onto a plane … linearly dependent; correct one of them
 14 | transform = [[1e-9, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0]] | a condition beyond 1e8 … stretch and shear less
 14 | scale = [1, 1, 1e-12] | a condition beyond 1e8 … stretch and shear less
 15 | translate = [1, 0, 0]; scale = 2 | `scale` must be three numbers … help

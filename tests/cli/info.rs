@@ -226,7 +226,7 @@ plane.nrrd | has 2 axes … a third axis of a single sample
 scan.raw.gz | unsupported file extension … `encoding = \"gzip\"`
 scan.img | .img: unsupported file extension … write the volume as one .nii or .nrrd, as by `nibabel.save`
 scan.raw | unsupported file extension … describe the samples by a .toml
-scan.npy | not a readable NPY image … numpy.save
+scan.npy | not a readable NPY array … numpy.save
 scan.nrrd.gz | unsupported file extension … `gunzip`
 scan.ply | unsupported file extension … a line `v x y z`"
         .lines()

@@ -763,7 +763,7 @@ fn conventions_are_told_apart_and_accepted() {
 
     after the search for conventions:
     convention    smoke/plain [seconds]
-                  differs by convention: it takes opacity in proportion to the step. The right image under them agrees with it
+                  differs by convention: it takes opacity in proportion to the step. volref's image under these conventions agrees with it
                   --accept-conventions accepts it; --as FILE judges by this file:
                       name = "mine"
                       [conventions]

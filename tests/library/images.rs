@@ -153,7 +153,7 @@ fn what_cannot_be_used_is_refused_in_words() {
     bad-alpha.png: the pixel (3, 1) is transparent; composite the image over the background of the scene in linear light, before it is encoded as sRGB (codes that are mixed or premultiplied are other colours), or write linear, premultiplied radiance as .exr
     bad-animated.png: this PNG is animated; write a single image
     bad-chroma.exr: this EXR has a channel with fewer values than pixels; write R, G and B in full
-    bad-complex.npy: an array of dtype "<c8"; radiance and depths are floating-point numbers: save what was there before it was rounded and gamma encoded, with image.astype(np.float32); or radiance as 8-bit sRGB in .png
+    bad-complex.npy: an array of dtype "<c8"; radiance and depths are floating-point numbers: save linear radiance before it is rounded and gamma encoded, with image.astype(np.float32), or 8-bit sRGB in .png
     bad-crc.png: not a readable PNG image: it is broken (Format error decoding Png: CRC error: expected 0x9724fbc9 have 0xcf6a00d4 while decoding ChunkType { type: IDAT, critical: true, private: false, reserved: false, safecopy: false } chunk.): copy it or write it again
     bad-deep.exr: this EXR has deep data, many samples along each ray; write a flat image, one radiance a pixel
     bad-dwaa.exr: this EXR is compressed by DWA or B44, which lose digits; render it again and write it with ZIP or PIZ: recompressing the file does not bring the digits back
@@ -163,21 +163,21 @@ fn what_cannot_be_used_is_refused_in_words() {
     bad-gamma.png: the codes of this PNG are not sRGB: its gAMA says 1; encode them as sRGB and state nothing else, or write linear radiance as .exr
     bad-grey-alpha.png: the pixel (3, 1) is transparent; composite the image over the background of the scene in linear light, before it is encoded as sRGB (codes that are mixed or premultiplied are other colours), or write linear, premultiplied radiance as .exr
     bad-huge.exr: the image claims 1000000000 × 1000000000 pixels; from 1 to 268435456 are read
-    bad-int64.npy: an array of dtype "<i8"; radiance and depths are floating-point numbers: save what was there before it was rounded and gamma encoded, with image.astype(np.float32); or radiance as 8-bit sRGB in .png
+    bad-int64.npy: an array of dtype "<i8"; radiance and depths are floating-point numbers: save linear radiance before it is rounded and gamma encoded, with image.astype(np.float32), or 8-bit sRGB in .png
     bad-levels-swapped.exr: not a readable EXR image: it is broken (the decoder stopped: assertion `left == right` failed: line should have been filtered): write it again
     bad-line.npy: an array of shape (12,); an image has the shape (height, width, 3), (height, width, 4) with opacity, or (height, width) if it is grey
     bad-linear-profile.png: the codes of this PNG are not sRGB: they have a colour profile of their own; encode them as sRGB and state nothing else, or write linear radiance as .exr
     bad-lines-missing.exr: not a readable EXR image: of its 3 blocks of pixels, 1 are missing
-    bad-objects.npy: an array of dtype "|O"; radiance and depths are floating-point numbers: save what was there before it was rounded and gamma encoded, with image.astype(np.float32); or radiance as 8-bit sRGB in .png
+    bad-objects.npy: an array of dtype "|O"; radiance and depths are floating-point numbers: save linear radiance before it is rounded and gamma encoded, with image.astype(np.float32), or 8-bit sRGB in .png
     bad-palette-alpha.png: the pixel (1, 0) is transparent; composite the image over the background of the scene in linear light, before it is encoded as sRGB (codes that are mixed or premultiplied are other colours), or write linear, premultiplied radiance as .exr
     bad-palette-length.png: not a readable PNG image: it is broken (the decoder stopped: range end index 3 out of range for slice of length 2): write it again
     bad-planes.npy: an array of shape (3, 6, 8); an image has the shape (height, width, 3), (height, width, 4) with opacity, or (height, width) if it is grey
     bad-profile.png: the codes of this PNG are not sRGB: they have a colour profile of their own; encode them as sRGB and state nothing else, or write linear radiance as .exr
-    bad-records.npy: an array of records; save the colours alone, as an array of np.float32 of shape (height, width, 3)
+    bad-records.npy: not a readable NPY image: it is an array of records; save one array of np.float32
     bad-stack.npy: an array of shape (1, 6, 8, 3); an image has the shape (height, width, 3), (height, width, 4) with opacity, or (height, width) if it is grey
     bad-tile-missing.exr: not a readable EXR image: of its 6 blocks of pixels, 1 are missing
     bad-two-layers.exr: several layers have colours, and none is the main one: albedo, direct; write one of them without a name, or call it rgba, beauty or combined
-    bad-uint8.npy: an array of dtype "|u1"; radiance and depths are floating-point numbers: save what was there before it was rounded and gamma encoded, with image.astype(np.float32); or radiance as 8-bit sRGB in .png
+    bad-uint8.npy: an array of dtype "|u1"; radiance and depths are floating-point numbers: save linear radiance before it is rounded and gamma encoded, with image.astype(np.float32), or 8-bit sRGB in .png
     bad-wide.png: the codes of this PNG are not sRGB: its cICP says 9 and 16; encode them as sRGB and state nothing else, or write linear radiance as .exr
     "#);
 }

@@ -264,7 +264,7 @@ fn reasons_by_numbers() {
     let far = || by_numbers(0.3, 0.05);
     check(vec![
         row(
-            "as if this were so, or a mistake that looks like it: density",
+            "as if this were so, or like a mistake with the same effect: density",
             little(),
             far(),
         ),

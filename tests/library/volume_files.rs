@@ -61,7 +61,7 @@ fn sizes_are_checked_before_reading() {
     assert_eq!(
         message(&folder, &grid),
         "huge.bin: the header declares 2 × 2 × 2 samples of float32, 32 bytes, but 1099511627752 bytes \
-         follow it: the file is truncated, contains something else as well, or has another type or size"
+         follow it: the file is truncated, has extra data, or has a wrong type or size in its header"
     );
 }
 
@@ -318,7 +318,7 @@ file = "grid.npy"; axes = "yxz" | `axes`
 file = "a\b.vol" | there is no such file
 file = "a\q.vol" | :4:11: missing escaped value
 file = "nan.vol" | :4:8: 
-file = "nan.vol" | voxel (1, 0, 0), counted as stored, holds NaN: values must be finite, and not beyond 3.4e38; correct it, or set `replace_non_finite` beside `file` in the scene
+file = "nan.vol" | voxel (1, 0, 0) in the order of the file holds NaN: values must be finite, and not beyond 3.4e38; correct it, or set `replace_non_finite` beside `file` in the scene
 file = "nan.vol"; padding = 1 | :5:11: `padding` does not apply to "nan.vol"
 file = "two.obj"; centring = "cells" | :5:12: `centring` does not apply to "two.obj"
 file = "scan.raw"; centring = "cells" | scan.raw: unsupported file extension; supported are

@@ -318,7 +318,7 @@ impl<'s> Scores<'s> {
         }
         let change = sensitivity.in_words(best.change, best.error);
         format!(
-            "the difference is as if this were so, or a mistake that looks like it: {change} ({deviation})"
+            "the difference looks as if this were so, or like a mistake with the same effect: {change} ({deviation})"
         )
     }
 }

@@ -215,7 +215,7 @@ fn kept_axes(sizes: &[u64], roles: &[Role]) -> Result<[usize; 3], VolumeFault> {
 }
 
 /// The remedy for axes that are too many or too few.
-const ONE_VOLUME: &str = "a volume has three, and one value per sample; write one index of any other axis to a file of \
+const ONE_VOLUME: &str = "a volume has three axes, and one value per sample; write one index of any other axis to a file of \
     its own, as by `unu slice -a 3 -p 0 -i all.nrrd -o one.nrrd`, and a plane with a third axis of a single sample";
 
 impl HeaderField {
