@@ -63,11 +63,6 @@ impl Aabb {
         self.min.abs().max(self.max.abs()).max_element()
     }
 
-    /// The axis along which the box is longest, the first of several.
-    pub(crate) fn longest_axis(&self) -> usize {
-        longest_axis(self.size())
-    }
-
     /// Edge lengths, in world units.
     pub fn size(&self) -> DVec3 {
         self.max - self.min
@@ -93,18 +88,6 @@ impl Aabb {
     pub(crate) fn span_of(&self, line: &Line) -> Option<Span> {
         let [near, far] = self.crossings(line)?;
         ahead(near.t, far.t)
-    }
-}
-
-/// The axis of the largest component of a vector without negative components, the first of several.
-#[inline]
-pub(crate) fn longest_axis(v: DVec3) -> usize {
-    if v.x >= v.y && v.x >= v.z {
-        0
-    } else if v.y >= v.z {
-        1
-    } else {
-        2
     }
 }
 

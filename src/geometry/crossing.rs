@@ -27,7 +27,7 @@
 //! crossing is the exact one of a triangle whose vertices moved by at most 30uS along each axis,
 //! that is 52uS in all; from an origin within the shape's reach `R`, `S ≤ 2R` gives 104uR.
 
-use super::{Ray, Side, longest_axis};
+use super::{Ray, Side};
 use glam::DVec3;
 
 /// A ray, ready to be laid along the third axis.
@@ -73,8 +73,7 @@ struct EdgeCrossing {
 
 impl RayFrame {
     pub fn new(ray: &Ray) -> RayFrame {
-        let size = ray.direction.abs();
-        let third = longest_axis(size);
+        let third = ray.direction.abs().max_position();
         let dominant = ray.direction[third];
         let (mut first, mut second) = ((third + 1) % 3, (third + 2) % 3);
         if dominant < 0.0 {

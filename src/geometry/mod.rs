@@ -33,7 +33,6 @@ mod transform;
 
 pub use crate::math::Direction;
 pub use aabb::Aabb;
-pub(crate) use aabb::longest_axis;
 pub(crate) use bvh::Bvh;
 pub use camera::{Camera, Intrinsics};
 pub use closed_mesh::ClosedMesh;

@@ -2,7 +2,7 @@
 
 use super::error::{VolumeFault, refused};
 use super::{Centring, Lattice};
-use crate::geometry::{Transform, length_of, longest_axis};
+use crate::geometry::{Transform, length_of};
 use crate::math::atan2;
 use glam::{DMat3, DVec3};
 
@@ -85,7 +85,7 @@ impl Axes {
         let mut from = [None; 3];
         for stored in 0..3 {
             let direction = steps[stored] / lengths[stored];
-            let along = longest_axis(direction.abs());
+            let along = direction.abs().max_position();
             let mut off = direction;
             off[along] = 0.0;
             if length_of(off) > OFF_AXIS && orientation == Orientation::Oblique {
