@@ -19,7 +19,6 @@ mod progress;
 pub mod radiative;
 
 pub use crate::scene::{Sampling, Seed};
-pub(crate) use classified::curve::PlotLayout;
 pub use classified::depth::depth;
 pub use counters::{Counters, Event};
 pub use error::RenderError;
