@@ -40,7 +40,7 @@ const TOLERANCE: f64 = 1e-8;
 pub struct RayIntegral {
     /// Radiance, background included, with the bound on its error; and the optical depth.
     pub light: CollocatedLight,
-    /// Cells on the way.
+    /// Number of cells that the ray passes.
     pub cells: u64,
     /// Points at which the transfer function was evaluated.
     pub points: u64,
@@ -246,16 +246,11 @@ impl<'s> RayIntegrator<'s> {
         }
     }
 
-    /// Distance along `ray` of the surface that ends it.
-    fn surface(&self, ray: &Ray) -> Option<f64> {
-        let hit = self.scene.objects.nearest_surface(ray);
-        hit.map(|(hit, _)| hit.t)
-    }
-
     /// Depth along `ray`: the mean `∫ t dα / α` over the opacity `α`, or where `α` reaches one `half`. Infinite where
     /// there is none.
     pub fn depth(&self, ray: &Ray, half: bool) -> f64 {
-        let surface = self.surface(ray);
+        let hit = self.scene.objects.nearest_surface(ray);
+        let surface = hit.map(|(hit, _)| hit.t);
         let way = self.way(ray, surface.unwrap_or(f64::INFINITY));
         // The light of matter as bright as it is far away.
         let distances = |piece: &[f64; 2], segments: &[&Segment<'_>], tolerance: f64| {
