@@ -41,8 +41,8 @@ impl<'a> Images<'a> {
     fn of_panel(&self, panel: &Panel, known: &NodeGradients, detail: Detail) -> Option<Film> {
         let caster = RayCaster::with_gradients(panel.classified()?, Some(known));
         let [columns, rows]: [Vec<usize>; 2] = [
-            detail.columns(panel.width).collect(),
-            detail.rows(panel.height).collect(),
+            detail.places(panel.width).collect(),
+            detail.places(panel.height).collect(),
         ];
         let pixel = |index: usize| {
             let place = [columns[index % columns.len()], rows[index / columns.len()]];
