@@ -129,10 +129,7 @@ impl LineOfSight<'_> {
         let mut radiance = DVec3::ZERO;
         let scattering = |segment: &&MediumSegment| segment.properties.scatters();
         for segment in segments.all().iter().filter(scattering) {
-            let span = Span::new(
-                segment.span.near.max(lit.near),
-                segment.span.far.min(lit.far),
-            );
+            let span = segment.span.within(lit);
             let mut at = |t: f64| {
                 let (depths, _) = segments.depths_to(t);
                 let point = ScatteringPoint::new(t, 1.0, depths, segment);
@@ -187,7 +184,7 @@ impl LineOfSight<'_> {
     }
 
     fn integral(&self, mut f: impl FnMut(f64) -> DVec3, [from, to]: [f64; 2]) -> DVec3 {
-        let pieces = match self.scene.media.count() {
+        let pieces = match self.scene.media.all().len() {
             0 | 1 => 1,
             _ => PIECES_WITH_SHADOWS,
         };

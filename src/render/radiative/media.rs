@@ -47,7 +47,7 @@ impl<'s> Media<'s> {
         })
     }
 
-    /// The same for integrals along lines, which sample no points: no majorants are made.
+    /// The media of `bodies` for integrals along lines, which need no majorants.
     pub fn for_integrals(bodies: &'s [Body], vacuum: bool) -> Media<'s> {
         Media::with(bodies, vacuum, |_, _| MediumProperties::default())
     }
@@ -66,7 +66,6 @@ impl<'s> Media<'s> {
                 None => (MediumProperties::of(&body.medium), body.density.as_ref()),
             };
             Medium {
-                index: 0,
                 boundary: body.boundary.as_ref(),
                 unit,
                 density,
@@ -78,8 +77,7 @@ impl<'s> Media<'s> {
         media.retain(|medium| vacuum || !medium.is_vacuum());
         let mut heterogeneous = 0;
         let mut scattering = ScatteringExtent::Nowhere;
-        for (index, medium) in media.iter_mut().enumerate() {
-            medium.index = index;
+        for (index, medium) in media.iter().enumerate() {
             if medium.density.is_some() {
                 heterogeneous |= 1 << index;
             }
@@ -102,17 +100,12 @@ impl<'s> Media<'s> {
         }
     }
 
-    /// Number of media.
-    pub fn count(&self) -> usize {
-        self.media.len()
-    }
-
-    /// All of them, in order.
+    /// All media, by index.
     pub fn all(&self) -> &[Medium<'s>] {
         &self.media
     }
 
-    /// One of them.
+    /// The medium with this index.
     pub fn medium(&self, index: usize) -> &Medium<'s> {
         &self.media[index]
     }
@@ -126,11 +119,6 @@ impl<'s> Media<'s> {
         properties
     }
 
-    /// Any of them is heterogeneous.
-    pub(crate) fn has_heterogeneous(&self) -> bool {
-        self.heterogeneous != 0
-    }
-
     /// Heterogeneous media of `set`.
     pub fn heterogeneous(&self, set: Set) -> Set {
         set & self.heterogeneous
@@ -142,7 +130,7 @@ impl<'s> Media<'s> {
         members(set).filter(scatters).map(|index| 1 << index).sum()
     }
 
-    /// Any of them scatters.
+    /// Whether any medium scatters.
     pub fn scatter(&self) -> bool {
         !matches!(self.scattering, ScatteringExtent::Nowhere)
     }

@@ -43,7 +43,7 @@ use glam::DVec3;
 /// Path tracing of a scene.
 pub struct PathTracer<'s> {
     scene: SceneContext<'s>,
-    /// Bounces at most.
+    /// Largest number of bounces.
     limit: u32,
 }
 
@@ -103,7 +103,7 @@ impl<'s> PathTracer<'s> {
         let given = tracker.sampler.given();
         tracker.work.count_times(Event::RandomDraw, given);
         let radiance = radiance?;
-        match tracker.scratch.take_violations() {
+        match std::mem::take(&mut tracker.scratch.effort.violations) {
             0 => Ok(radiance),
             _ => Err(PathFault::Majorant),
         }

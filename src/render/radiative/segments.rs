@@ -75,14 +75,8 @@ impl MediumSegments {
             for span in &self.spans {
                 let far = span.far.min(end);
                 if span.near < far {
-                    self.edges.push(MediumEdge {
-                        t: span.near,
-                        medium: index,
-                    });
-                    self.edges.push(MediumEdge {
-                        t: far,
-                        medium: index,
-                    });
+                    let edge = |t| MediumEdge { t, medium: index };
+                    self.edges.extend([span.near, far].map(edge));
                 }
             }
         }

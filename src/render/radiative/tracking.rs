@@ -57,7 +57,7 @@ pub trait TentativeNumbers {
     fn next(&mut self) -> Tentative;
 }
 
-/// Work of a tracker.
+/// Lookups that a tracker has made.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Effort {
     /// Lookups of the extinction.
@@ -124,7 +124,7 @@ pub(crate) fn tentative_collisions<M: Majorants, B>(
 pub struct RealCollision {
     /// Distance along the ray.
     pub t: f64,
-    /// Extinction there.
+    /// Extinction there, by channel.
     pub extinction: DVec3,
 }
 

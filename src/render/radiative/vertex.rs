@@ -36,7 +36,7 @@ impl Vertex {
         }
     }
 
-    /// Light from `direction`, seen from here, may be scattered back along the path.
+    /// Whether light from `direction`, seen from here, may be scattered back along the path.
     pub fn faces(&self, direction: Direction) -> bool {
         match self {
             Vertex::Medium { .. } => true,

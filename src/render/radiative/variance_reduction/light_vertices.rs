@@ -243,7 +243,7 @@ impl LightVertices<'_> {
         let pdf = share * surface_vertex_pdf(light, ray.origin, &hit.point);
         let weight = power_heuristic(pdf, response.pdf);
         let visibility = Visibility(self.0).along(&ray, distance, tracker);
-        // Of irradiance I·cos/r² and density p·cos/r² per area, I/p is left.
+        // The irradiance I·cos/r² over the density per area p·cos/r² is I/p.
         let scattered = reflectance / PI * arriving * (cosine / (distance * distance));
         Some(response.value * visibility * scattered * (weight / (share * out.pdf)))
     }
