@@ -103,6 +103,14 @@ impl Hit {
             side: crossing.side,
         }
     }
+
+    /// The normal on the side that was hit.
+    pub(crate) fn facing(&self) -> Direction {
+        match self.side {
+            Side::Front => self.point.normal,
+            Side::Back => -self.point.normal,
+        }
+    }
 }
 
 impl SurfacePoint {

@@ -287,14 +287,12 @@ impl<'s> RayIntegrator<'s> {
     }
 }
 
-/// A pixel: radiance and opacity, and the bound on the error of its radiance.
-pub(in crate::render) type BoundedPixel = ([f32; 4], f64);
-
-/// The pixels of `scene`.
+/// The pixels of `scene`: radiance, the opacity of the volume in front of the background, and the bound on the error of
+/// the radiance.
 pub(in crate::render) fn integrate(
     scene: &Classified,
     pixels: &Pixels<'_>,
-) -> (Vec<BoundedPixel>, Counters) {
+) -> (Vec<([f32; 4], f64)>, Counters) {
     let integrator = RayIntegrator::new(scene);
     let size = [pixels.width, pixels.height];
     each(pixels, |position, work| {
@@ -304,15 +302,11 @@ pub(in crate::render) fn integrate(
         work.count_times(Event::DensityLookup, integral.cells);
         work.count_times(Event::Attenuation, integral.points);
         work.count_times(Event::EmissionTerm, integral.points);
-        (pixel(&integral.light), integral.light.radiance_error)
+        let light = integral.light;
+        let DVec3 { x, y, z } = light.radiance;
+        let pixel = [x, y, z, -exp_m1(-light.depth)].map(|value| value as f32);
+        (pixel, light.radiance_error)
     })
-}
-
-/// Radiance of a pixel, and the opacity of the volume in front of the background.
-fn pixel(light: &CollocatedLight) -> [f32; 4] {
-    let opacity = -exp_m1(-light.depth);
-    let DVec3 { x, y, z } = light.radiance;
-    [x, y, z, opacity].map(|value| value as f32)
 }
 
 /// The place from which on `is_behind` holds, between the ends of a `piece`.

@@ -37,15 +37,10 @@ pub(in crate::render) fn cast(
             .layers(&scene.camera.ray(pixel, size), work)
             .pixel(scene.background)
     });
-    work.count_times(Event::GradientComputed, gradients_computed(scene));
+    let shaded = caster.parts.iter().filter(|it| it.gradients.is_some());
+    let nodes = shaded.map(|part| part.scene.grid.lattice().node_count() as u64);
+    work.count_times(Event::GradientComputed, nodes.sum());
     (image, work)
-}
-
-/// Gradients computed for the nodes of all volumes.
-pub(in crate::render) fn gradients_computed(scene: &Classified) -> u64 {
-    let shaded = scene.each_alone().filter(|alone| alone.phong.is_some());
-    let nodes = shaded.map(|alone| alone.grid.lattice().node_count() as u64);
-    nodes.sum()
 }
 
 /// A volume with what is made of it once.

@@ -92,7 +92,7 @@ impl FreeFlight<'_> {
             let collision = if self.has_heterogeneous_scatterer(segment.set) {
                 next.optical_distance = rest;
                 match self.track(ray, segment, channel, next, &mut passed.survived, tracker) {
-                    ControlFlow::Break(collision) => Some((collision.0.t - near, collision)),
+                    ControlFlow::Break((real, sigma_s)) => Some((real.t - near, real, sigma_s)),
                     ControlFlow::Continue(left) => {
                         next = left;
                         goal = passed.depth[channel] + left.optical_distance;
@@ -109,9 +109,9 @@ impl FreeFlight<'_> {
                 };
                 passed.depth += over(extinction, into);
                 let t = (near + into).min(far);
-                collides.then_some((into, (RealCollision { t, extinction }, properties.sigma_s)))
+                collides.then_some((into, RealCollision { t, extinction }, properties.sigma_s))
             };
-            let Some((into, (RealCollision { t, extinction }, sigma_s))) = collision else {
+            let Some((into, RealCollision { t, extinction }, sigma_s)) = collision else {
                 passed.absorbing += over(properties.absorbing, length);
                 continue;
             };

@@ -10,7 +10,6 @@ use super::scene_context::SceneContext;
 use super::segments::{MediumSegment, MediumSegments};
 use super::shadow_edges::{LightSource, shadow_edges};
 use super::single_scattering::{ScatteringPoint, SingleScattering, edges, lit_span};
-use super::specular::facing;
 use super::surfaces::SurfaceIndex;
 use super::tracker::Tracker;
 use super::transmittance::Transmittance;
@@ -91,12 +90,7 @@ impl LineOfSight<'_> {
             }
             SurfaceIndex::Object(index) => match radiative.objects[index].material {
                 Material::Diffuse(reflectance) if self.scattering => {
-                    let vertex = Vertex::Diffuse {
-                        point: nearest.hit.point,
-                        normal: facing(&nearest.hit),
-                        reflectance,
-                    };
-                    self.reflected(&vertex, tracker)
+                    self.reflected(&Vertex::on_surface(&nearest.hit, reflectance), tracker)
                 }
                 _ => DVec3::ZERO,
             },

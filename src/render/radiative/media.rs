@@ -12,16 +12,15 @@ use glam::DVec3;
 pub struct Media<'s> {
     media: Vec<Medium<'s>>,
     heterogeneous: Set,
-    scattering: ScatteringExtent,
+    /// A box around those that scatter.
+    scattering: Option<Aabb>,
 }
 
-/// Extent of the scattering media of a scene.
-#[derive(Debug)]
-enum ScatteringExtent {
-    Nowhere,
-    Within(Aabb),
-    Everywhere,
-}
+/// The box around all space.
+const EVERYWHERE: Aabb = Aabb {
+    min: DVec3::NEG_INFINITY,
+    max: DVec3::INFINITY,
+};
 
 /// A set of media: a bit for each.
 pub type Set = u64;
@@ -76,22 +75,15 @@ impl<'s> Media<'s> {
         let mut media: Vec<_> = bodies.iter().map(medium).collect();
         media.retain(|medium| vacuum || !medium.is_vacuum());
         let mut heterogeneous = 0;
-        let mut scattering = ScatteringExtent::Nowhere;
+        let mut scattering = None;
         for (index, medium) in media.iter().enumerate() {
             if medium.density.is_some() {
                 heterogeneous |= 1 << index;
             }
-            if !medium.on_segment.scatters() {
-                continue;
+            if medium.on_segment.scatters() {
+                let bounds = medium.boundary.map_or(EVERYWHERE, Surface::bounds);
+                scattering = Some(scattering.map_or(bounds, |others: Aabb| others.union(bounds)));
             }
-            let bounds = medium.boundary.map(Surface::bounds);
-            scattering = match (scattering, bounds) {
-                (ScatteringExtent::Nowhere, Some(bounds)) => ScatteringExtent::Within(bounds),
-                (ScatteringExtent::Within(others), Some(bounds)) => {
-                    ScatteringExtent::Within(others.union(bounds))
-                }
-                (ScatteringExtent::Everywhere, _) | (_, None) => ScatteringExtent::Everywhere,
-            };
         }
         Media {
             media,
@@ -132,18 +124,13 @@ impl<'s> Media<'s> {
 
     /// Whether any medium scatters.
     pub fn scatter(&self) -> bool {
-        !matches!(self.scattering, ScatteringExtent::Nowhere)
+        self.scattering.is_some()
     }
 
     /// A segment of `ray` that holds all points where light is scattered, if there are any.
     pub(crate) fn scattering_span(&self, ray: &Ray) -> Option<Span> {
-        match &self.scattering {
-            ScatteringExtent::Nowhere => None,
-            ScatteringExtent::Within(bounds) => {
-                bounds.span(ray).filter(|span| span.near < span.far)
-            }
-            ScatteringExtent::Everywhere => Some(Span::new(0.0, f64::INFINITY)),
-        }
+        let span = self.scattering?.span(ray)?;
+        (span.near < span.far).then_some(span)
     }
 
     /// Scattering coefficient, by channel, of the media in `set` at the world point `point`,
