@@ -83,7 +83,7 @@ impl Aabb {
         self.span_of(&ray.into())
     }
 
-    /// As [`Aabb::span`], of a line with a direction of any length.
+    /// As [`Aabb::span`], along a line with a direction of any length.
     #[inline]
     pub(crate) fn span_of(&self, line: &Line) -> Option<Span> {
         let [near, far] = self.crossings(line)?;

@@ -44,7 +44,7 @@ const NOTHING: Aabb = Aabb {
 pub(crate) struct Bvh {
     /// The root first; none without faces.
     nodes: Vec<Node>,
-    /// Faces, those of a leaf in a row.
+    /// Faces, with the faces of each leaf in a row.
     faces: Vec<usize>,
 }
 
@@ -243,7 +243,7 @@ impl Bins {
         }
     }
 
-    /// The bin of a box; 0 where all centres are the same, so that the quotient is no number.
+    /// The bin of a box. Where all centres are the same, the quotient is no number, and the bin is 0.
     fn bin(&self, bounds: &Aabb) -> usize {
         let bin = (bounds.centre()[self.axis] - self.low) * self.scale;
         (bin as usize).min(BINS - 1)

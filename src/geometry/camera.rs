@@ -12,7 +12,7 @@ use glam::DVec3;
 /// square; row 0 is the top row.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
-    /// Origin of the rays; an orthographic camera has there the one through the centre of the image.
+    /// Origin of the rays; for an orthographic camera, of the ray through the centre of the image.
     pub eye: DVec3,
     /// Direction of the line of sight, perpendicular to the image. Depth is measured along it.
     pub axis: Direction,

@@ -99,7 +99,7 @@ impl<T> IndexMut<Event> for PerEvent<T> {
     }
 }
 
-/// The given numbers; of all other events 0.
+/// The given numbers, and 0 for all other events.
 impl<T: Copy + Default, const N: usize> From<[(Event, T); N]> for PerEvent<T> {
     fn from(numbers: [(Event, T); N]) -> PerEvent<T> {
         let mut all = PerEvent::default();

@@ -263,7 +263,7 @@ fn ticks(end: f64) -> impl Iterator<Item = f64> {
     (0..=count.min(100)).map(|i| i as f64 * TICK)
 }
 
-/// The values from the first point to the last; of a lone point, some around it.
+/// The values from the first point to the last, or some around a lone point.
 fn extent(points: &TransferPoints) -> (f64, f64) {
     let points = points.points();
     let (first, last) = (points[0].value, points[points.len() - 1].value);

@@ -63,8 +63,8 @@ pub struct Medium<'s> {
     pub unit: MediumProperties,
     /// Its density; `None` for a homogeneous medium.
     pub density: Option<&'s Density>,
-    /// Its properties on a segment; of a heterogeneous medium, those of a homogeneous one that
-    /// points on a ray are sampled by.
+    /// Its properties on a segment. A heterogeneous medium has those of a homogeneous one, by which
+    /// points on a ray are sampled.
     pub on_segment: MediumProperties,
     /// The phase function of its scattering.
     pub phase: Phase,

@@ -81,7 +81,7 @@ impl<'s> SceneContext<'s> {
         self.features.heterogeneous && self.media.heterogeneous(Set::MAX) != 0
     }
 
-    /// The nearest surface on `ray`, of several at the same distance the first of the scene.
+    /// The nearest surface on `ray`; among several at the same distance, the first of the scene.
     pub(crate) fn intersect(&self, ray: &Ray, work: &mut Counters) -> Option<Intersection> {
         match self.features.surfaces {
             true => self.surfaces.nearest(ray, work),

@@ -76,7 +76,7 @@ impl<'s> Surfaces<'s> {
         }
     }
 
-    /// The nearest surface on `ray`, of several at the same distance the first of the scene.
+    /// The nearest surface on `ray`; among several at the same distance, the first of the scene.
     pub fn nearest(&self, ray: &Ray, work: &mut Counters) -> Option<Intersection> {
         work.count_times(Event::SurfaceTest, self.all.count());
         match &self.hierarchy {

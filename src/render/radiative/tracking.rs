@@ -66,14 +66,6 @@ pub struct Effort {
     pub violations: u64,
 }
 
-impl Effort {
-    /// Notes a lookup on `segment`.
-    pub fn note(&mut self, segment: &MajorantSegment, extinction: DVec3) {
-        self.lookups += 1;
-        self.violations += u64::from(!extinction.cmple(segment.majorant).all());
-    }
-}
-
 /// Visits tentative collisions along `majorants`, in order: a Poisson process of density
 /// `rate(segment)` per length, beginning with `first`. Ends where `visit` breaks, or with the
 /// last segment: then with the rest of the optical distance to the next of them.
@@ -104,7 +96,8 @@ pub(crate) fn tentative_collisions<M: Majorants, B>(
             }
             near = (near + optical_distance / rate).min(far);
             let extinction = majorants.extinction(near);
-            effort.note(&segment, extinction);
+            effort.lookups += 1;
+            effort.violations += u64::from(!extinction.cmple(segment.majorant).all());
             let t = near;
             visit(majorants, &segment, RealCollision { t, extinction }, u)?;
             Tentative {
