@@ -83,9 +83,9 @@ impl Pixels<'_> {
     }
 }
 
-/// The values of `pixel` at every rendered pixel [column, row]; rows in parallel. A pixel depends only on its position, and pixels are collected in order, so
-/// the image is the same for any number of threads. `scratch` allocates memory that the pixels of a
-/// row share in turn.
+/// The values of `pixel` at every rendered pixel [column, row]; rows in parallel. A pixel depends only on
+/// its position, and pixels are collected in order, so the image is the same for any number of threads.
+/// `scratch` allocates memory that the pixels of a row share in turn.
 ///
 /// This is compiled for every kernel, so it is the loop along a row and no more.
 pub(super) fn rows<P: Send, S>(
