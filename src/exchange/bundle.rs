@@ -18,8 +18,7 @@ use super::files::SharedFiles;
 use super::{Export, Format, Refusal};
 use crate::geometry::Mesh;
 use crate::optics::{TransferPoint, TransferPoints};
-use crate::render::classified::curve::PlotLayout;
-use crate::render::{Plan, plans};
+use crate::render::{Plan, PlotLayout, plans};
 use crate::scene::{Conventions, Model, Panel, Scene};
 use crate::volume::Grid;
 use inline_arrays::{Entries, Json, entries};
@@ -70,10 +69,7 @@ fn content(panel: &Panel, raw: &mut SharedFiles) -> Result<Entries, Refusal> {
         }
         Model::Curve(curve) => {
             let layout = PlotLayout::new(curve, panel.width, panel.height);
-            let backdrop = layout.backdrop(panel.width, panel.height);
-            let channels = backdrop.as_flattened().iter();
-            let channels: Vec<f32> = channels.map(|&channel| channel as f32).collect();
-            let file = raw.floats("backdrop", &channels);
+            let file = raw.floats("backdrop", layout.backdrop().as_flattened());
             Ok(plot::described(curve, &layout, file))
         }
         Model::Radiative(scene) => Ok(radiative::described(panel, scene, raw)),

@@ -2,9 +2,7 @@
 
 use super::inline_arrays::{Entries, entries};
 use super::points;
-use crate::render::classified::curve::{
-    HALF_WIDTH, INK, OPACITY, PlotLayout, TRANSPARENCY, linear,
-};
+use crate::render::{PlotLayout, curve};
 use crate::scene::Curve;
 
 /// All that is drawn for the plot of `curve`, whose backdrop stands in `file`. Frame, grid and
@@ -36,7 +34,7 @@ pub(super) fn described(curve: &Curve, layout: &PlotLayout<'_>, file: String) ->
     };
     let blending = "pixel = pixel + (colour - pixel)*coverage, in linear RGB";
     let line = entries! {
-        "half_width": HALF_WIDTH, "coverage": coverage, "blending": blending,
+        "half_width": curve::HALF_WIDTH, "coverage": coverage, "blending": blending,
     };
     let mut entries = entries! {
         "shows": "plot", "backdrop": backdrop, "axes": axes, "line": line,
@@ -52,8 +50,8 @@ fn curves(curve: &Curve) -> Entries {
             let order = "first the curve of the opacity 1 - T(d), then over it that of T(d)";
             entries! {
                 "kind": "formula", "floor": opacity.floor, "transparency": transparency,
-                "opacity_colour": linear(OPACITY),
-                "transparency_colour": linear(TRANSPARENCY), "order": order,
+                "opacity_colour": curve::linear(curve::OPACITY),
+                "transparency_colour": curve::linear(curve::TRANSPARENCY), "order": order,
             }
         }
         Curve::Points(table) => {
@@ -64,7 +62,7 @@ fn curves(curve: &Curve) -> Entries {
                          y is not bottom), pixel = min(1, colour(d(x))); then the line over it";
             entries! {
                 "kind": "table", "points": points(table), "opacity": opacity,
-                "line_colour": linear(INK), "order": order,
+                "line_colour": curve::linear(curve::INK), "order": order,
             }
         }
     }

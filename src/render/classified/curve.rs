@@ -36,7 +36,7 @@ pub(in crate::render) fn draw(
     progress: Progress<'_>,
 ) -> Vec<[f32; 4]> {
     let plot = PlotLayout::new(curve, width, height);
-    let mut pixels = plot.backdrop(width, height);
+    let mut pixels = plot.without_curves();
     pixels
         .par_iter_mut()
         .enumerate()
@@ -57,6 +57,8 @@ fn centre(index: usize, width: usize) -> [f64; 2] {
 
 /// The axes of the plot: densities and values to pixels from the top left corner of the image.
 pub(crate) struct PlotLayout<'c> {
+    width: usize,
+    height: usize,
     /// Left end of the axis of densities, pixels from the left edge of the image.
     pub left: f64,
     /// Its right end, pixels from the left edge.
@@ -89,6 +91,8 @@ impl PlotLayout<'_> {
         };
         // Room for the labels; whole pixels, so that the frame falls on pixel centres.
         PlotLayout {
+            width,
+            height,
             left: 26.5,
             right: (width as f64 - 10.5).max(27.5),
             top: 8.5,
@@ -115,11 +119,16 @@ impl PlotLayout<'_> {
     }
 
     /// Everything but the curves, for readers without our font: linear RGB, row by row from the top.
-    pub fn backdrop(&self, width: usize, height: usize) -> Vec<[f64; 3]> {
-        let mut pixels: Vec<[f64; 3]> = (0..width * height)
-            .map(|index| self.paper(centre(index, width)))
+    pub fn backdrop(&self) -> Vec<[f32; 3]> {
+        let pixels = self.without_curves().into_iter();
+        pixels.map(|pixel| pixel.map(|it| it as f32)).collect()
+    }
+
+    fn without_curves(&self) -> Vec<[f64; 3]> {
+        let mut pixels: Vec<[f64; 3]> = (0..self.width * self.height)
+            .map(|index| self.paper(centre(index, self.width)))
             .collect();
-        self.label(&mut pixels, width, height);
+        self.label(&mut pixels);
         pixels
     }
 
@@ -209,12 +218,12 @@ impl PlotLayout<'_> {
     }
 
     /// Writes the labels of the grid, of the axis and of the curves.
-    fn label(&self, pixels: &mut [[f64; 3]], width: usize, height: usize) {
+    fn label(&self, pixels: &mut [[f64; 3]]) {
         let mut ink = |text: &str, x: f64, y: f64, colour: [u8; 3], align: Alignment| {
             let mut canvas = PlotCanvas {
                 pixels,
-                width,
-                height,
+                width: self.width,
+                height: self.height,
                 colour: linear(colour),
             };
             let style = MonoTextStyle::new(&FONT_6X12, BinaryColor::On);
