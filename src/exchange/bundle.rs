@@ -69,7 +69,7 @@ fn content(panel: &Panel, raw: &mut SharedFiles) -> Result<Entries, Refusal> {
         }
         Model::Curve(curve) => {
             let layout = PlotLayout::new(curve, panel.width, panel.height);
-            let file = raw.floats("backdrop", layout.backdrop.as_flattened());
+            let file = raw.floats("backdrop", layout.backdrop().as_flattened());
             Ok(plot::described(curve, &layout, file))
         }
         Model::Radiative(scene) => Ok(radiative::described(panel, scene, raw)),

@@ -63,11 +63,6 @@ impl Aabb {
         self.min.abs().max(self.max.abs()).max_element()
     }
 
-    /// The axis along which the box is longest, the first of several.
-    pub(crate) fn longest_axis(&self) -> usize {
-        self.size().max_position()
-    }
-
     /// Edge lengths, in world units.
     pub fn size(&self) -> DVec3 {
         self.max - self.min
@@ -88,7 +83,7 @@ impl Aabb {
         self.span_of(&ray.into())
     }
 
-    /// As [`Aabb::span`], of a line with a direction of any length.
+    /// As [`Aabb::span`], along a line with a direction of any length.
     #[inline]
     pub(crate) fn span_of(&self, line: &Line) -> Option<Span> {
         let [near, far] = self.crossings(line)?;

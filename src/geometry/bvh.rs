@@ -18,6 +18,7 @@
 use super::box_test::BoxTest;
 use super::{Aabb, Ray};
 use arrayvec::ArrayVec;
+use glam::DVec3;
 
 /// Faces of a leaf at most, where another split costs more than it saves.
 const LEAF: usize = 4;
@@ -32,12 +33,18 @@ const DEEPEST: usize = 32;
 /// Nodes that may wait on the way through a tree of up to 2^31 faces: one on each of its levels, and two on the last.
 const WAITING: usize = DEEPEST + 33;
 
+/// The box around no face.
+const NOTHING: Aabb = Aabb {
+    min: DVec3::INFINITY,
+    max: DVec3::NEG_INFINITY,
+};
+
 /// A bounding volume hierarchy: faces split in two where the surface area heuristic expects the fewest tests of a ray.
 #[derive(Clone, Debug)]
 pub(crate) struct Bvh {
     /// The root first; none without faces.
     nodes: Vec<Node>,
-    /// Faces, those of a leaf in a row.
+    /// Faces, with the faces of each leaf in a row.
     faces: Vec<usize>,
 }
 
@@ -139,7 +146,7 @@ fn divide(nodes: &mut Vec<Node>, at: usize, faces: &mut [usize], boxes: &[Aabb],
     divide(nodes, half + 1, high, boxes, depth + 1);
 }
 
-/// The number of faces in the first of two parts, after which `faces` are sorted; none if they make a leaf.
+/// Sorts `faces` into two parts, and returns the number of faces in the first; none if they make a leaf.
 fn middle(faces: &mut [usize], boxes: &[Aabb], bounds: &Aabb, depth: usize) -> Option<usize> {
     let split = best_split(faces, boxes, bounds).filter(|_| depth < DEEPEST);
     // Without a split, the faces of a leaf cost a test each.
@@ -148,7 +155,7 @@ fn middle(faces: &mut [usize], boxes: &[Aabb], bounds: &Aabb, depth: usize) -> O
         return None;
     }
     let Some(split) = split else {
-        let axis = bounds.longest_axis();
+        let axis = bounds.size().max_position();
         let centre = |face: usize| boxes[face].centre()[axis];
         faces.sort_unstable_by(|&a, &b| centre(a).total_cmp(&centre(b)).then(a.cmp(&b)));
         return Some(faces.len() / 2);
@@ -161,7 +168,7 @@ fn middle(faces: &mut [usize], boxes: &[Aabb], bounds: &Aabb, depth: usize) -> O
 
 fn around(faces: &[usize], boxes: &[Aabb]) -> Aabb {
     let boxes = faces.iter().map(|&face| boxes[face]);
-    boxes.reduce(Aabb::union).expect("a node has faces")
+    boxes.fold(NOTHING, Aabb::union)
 }
 
 /// The split of `faces`, within `bounds`, that the surface area heuristic likes best; `None` if their
@@ -171,24 +178,24 @@ fn best_split(faces: &[usize], boxes: &[Aabb], bounds: &Aabb) -> Option<Split> {
     let mut best: Option<Split> = None;
     for axis in 0..3 {
         let bins = Bins::of(faces, boxes, axis);
-        let mut held: [Option<Aabb>; BINS] = [None; BINS];
+        let mut held = [NOTHING; BINS];
         let mut counts = [0; BINS];
         for &face in faces {
             let bin = bins.bin(&boxes[face]);
-            held[bin] = join(held[bin], Some(boxes[face]));
+            held[bin] = held[bin].union(boxes[face]);
             counts[bin] += 1;
         }
         // Expected tests of the faces in the bins from each on.
         let mut above = [0.0; BINS];
-        let (mut bounds, mut count) = (None, 0);
+        let (mut bounds, mut count) = (NOTHING, 0);
         for bin in (1..BINS).rev() {
-            bounds = join(bounds, held[bin]);
+            bounds = bounds.union(held[bin]);
             count += counts[bin];
             above[bin] = tests(bounds, count);
         }
-        let (mut bounds, mut count) = (None, 0);
+        let (mut bounds, mut count) = (NOTHING, 0);
         for bin in 1..BINS {
-            bounds = join(bounds, held[bin - 1]);
+            bounds = bounds.union(held[bin - 1]);
             count += counts[bin - 1];
             // Two boxes are tested for a split, half of a node.
             let cost = 0.5 + (tests(bounds, count) + above[bin]) / whole;
@@ -202,20 +209,16 @@ fn best_split(faces: &[usize], boxes: &[Aabb], bounds: &Aabb) -> Option<Split> {
 }
 
 /// Half the area of the box around `count` faces, times their number.
-fn tests(bounds: Option<Aabb>, count: usize) -> f64 {
-    bounds.map_or(0.0, |bounds| half_area(&bounds) * count as f64)
+fn tests(bounds: Aabb, count: usize) -> f64 {
+    match count {
+        0 => 0.0,
+        _ => half_area(&bounds) * count as f64,
+    }
 }
 
 fn half_area(bounds: &Aabb) -> f64 {
     let size = bounds.size();
     size.x * size.y + size.y * size.z + size.z * size.x
-}
-
-fn join(a: Option<Aabb>, b: Option<Aabb>) -> Option<Aabb> {
-    match (a, b) {
-        (Some(a), Some(b)) => Some(a.union(b)),
-        _ => a.or(b),
-    }
 }
 
 /// Equal intervals along an axis, by the centres of boxes.
@@ -240,7 +243,7 @@ impl Bins {
         }
     }
 
-    /// The bin of a box; what is no number, where all centres are the same, in bin 0.
+    /// The bin of a box. Where all centres are the same, the quotient is no number, and the bin is 0.
     fn bin(&self, bounds: &Aabb) -> usize {
         let bin = (bounds.centre()[self.axis] - self.low) * self.scale;
         (bin as usize).min(BINS - 1)

@@ -5,16 +5,16 @@ use crate::math;
 use glam::DVec3;
 
 /// A camera without a lens: rays through the centres of pixels or any other point of the image. They
-/// come together in the eye, or, of an orthographic camera, begin in the plane of the eye and are
-/// parallel.
+/// come together in the eye; those of an orthographic camera are parallel and begin in the plane of
+/// the eye.
 ///
 /// Right-handed: looking along +z with +y up, +x is to the *left* of the image. Pixels are
 /// square; row 0 is the top row.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
-    /// Origin of the rays; of an orthographic camera that of the ray through the centre of the image.
+    /// Origin of the rays; for an orthographic camera, of the ray through the centre of the image.
     pub eye: DVec3,
-    /// Direction of the line of sight, perpendicular to the image: that of depth.
+    /// Direction of the line of sight, perpendicular to the image. Depth is measured along it.
     pub axis: Direction,
     /// Direction to the centre of the image: the axis, unless the image lies beside it.
     pub forward: Direction,
@@ -40,8 +40,8 @@ pub struct Intrinsics {
 
 /// How far the columns of a matrix may be from perpendicular axes of length 1, in their products.
 ///
-/// A number that is written with four decimals is off by up to 5e-5. Then the product of two columns, of which each
-/// adds up to √3 at most, is off by up to 2 √3 · 5e-5 = 1.8e-4.
+/// A number that is written with four decimals is off by up to 5e-5. The components of a column add up to √3 at most,
+/// so the product of two columns is off by up to 2 √3 · 5e-5 = 1.8e-4.
 const NOT_RIGID: f64 = 2e-4;
 
 impl Camera {
@@ -161,7 +161,7 @@ impl Camera {
         (*self.forward - *self.axis).length() <= 1e-6 * up && (right - up).abs() <= 1e-6 * up
     }
 
-    /// The intrinsics of an image of this `size`; of parallel rays none.
+    /// The intrinsics of an image of this size, in pixels; none where rays are parallel.
     pub fn intrinsics(&self, [width, height]: [usize; 2]) -> Option<Intrinsics> {
         if self.is_orthographic {
             return None;
@@ -179,8 +179,8 @@ impl Camera {
         })
     }
 
-    /// The full angle from the top to the bottom edge of the image, in radians; only nearly so where its centre
-    /// lies beside the axis, and 0 of an orthographic camera.
+    /// The full angle from the top to the bottom edge of the image, in radians: nearly so where its centre
+    /// lies beside the axis. An orthographic camera has 0.
     pub fn vertical_fov(&self) -> f64 {
         match self.is_orthographic {
             false => 2.0 * math::atan2(self.half_up.length(), 1.0),
@@ -202,7 +202,7 @@ impl Camera {
         scaled
     }
 
-    /// Puts the centre of the image there, from the eye, in its plane.
+    /// Moves the centre of the image, in its plane, to `centre` as seen from the eye.
     fn look_at(&mut self, centre: DVec3) {
         let length = centre.length();
         self.forward = Direction::unit(centre / length);
@@ -267,27 +267,18 @@ impl Camera {
         moved
     }
 
-    /// The ray through a point of the image, in pixels from its upper left corner.
+    /// The ray through the centre of a pixel (column, row) of an image of this `size`, in pixels.
+    pub fn ray(&self, pixel: [usize; 2], size: [usize; 2]) -> Ray {
+        self.ray_through(pixel.map(|index| index as f64 + 0.5), size)
+    }
+
+    /// The ray through a point of an image of this size, in pixels from its upper left corner.
     pub fn ray_through(&self, [x, y]: [f64; 2], [width, height]: [usize; 2]) -> Ray {
-        self.ray_at(2.0 * x - width as f64, 2.0 * y - height as f64, height)
-    }
-
-    /// The ray through the centre of pixel (`column`, `row`) of an image of
-    /// `width` × `height` pixels.
-    pub fn ray(&self, [column, row]: [usize; 2], [width, height]: [usize; 2]) -> Ray {
-        // Twice the pixel offset from the image centre: integers, so the two halves of an
+        // Twice the offset from the image centre: integers for the centres of pixels, so the two halves of an
         // image mirror each other exactly.
-        let across = (2 * column + 1) as f64 - width as f64;
-        let down = (2 * row + 1) as f64 - height as f64;
-        self.ray_at(across, down, height)
-    }
-
-    /// The ray at twice the distance in pixels from the image centre, to the right and down.
-    fn ray_at(&self, across: f64, down: f64, height: usize) -> Ray {
-        let (right, down) = (
-            self.half_right * (across / height as f64),
-            self.half_up * (down / height as f64),
-        );
+        let (across, below) = (2.0 * x - width as f64, 2.0 * y - height as f64);
+        let right = self.half_right * (across / height as f64);
+        let down = self.half_up * (below / height as f64);
         if self.is_orthographic {
             return Ray {
                 origin: self.eye + right - down,

@@ -73,8 +73,7 @@ struct EdgeCrossing {
 
 impl RayFrame {
     pub fn new(ray: &Ray) -> RayFrame {
-        let size = ray.direction.abs();
-        let third = size.max_position();
+        let third = ray.direction.abs().max_position();
         let dominant = ray.direction[third];
         let (mut first, mut second) = ((third + 1) % 3, (third + 2) % 3);
         if dominant < 0.0 {

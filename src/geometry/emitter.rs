@@ -36,9 +36,9 @@ pub trait Emitter: Surface {
 /// A density that is the same for all points of an emitter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum EmitterPdf {
-    /// Per world unit squared.
+    /// Density per world unit squared.
     PerArea(f64),
-    /// Per steradian, seen from the point that is lit.
+    /// Density per steradian, seen from the point that is lit.
     PerSteradian(f64),
 }
 

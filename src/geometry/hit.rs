@@ -54,7 +54,7 @@ pub struct SurfacePoint {
     pub clearance: f64,
 }
 
-/// Place where a ray crosses a surface: of a hit, what tells which surface is the nearest.
+/// Place where a ray crosses a surface: enough to tell which surface is the nearest.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Crossing {
     /// Distance from the ray's origin, in world units, positive.
@@ -101,6 +101,14 @@ impl Hit {
             t: crossing.t,
             point,
             side: crossing.side,
+        }
+    }
+
+    /// The normal on the side that was hit.
+    pub(crate) fn facing(&self) -> Direction {
+        match self.side {
+            Side::Front => self.point.normal,
+            Side::Back => -self.point.normal,
         }
     }
 }

@@ -18,7 +18,7 @@ use thiserror::Error;
 pub struct ObjFault {
     /// Line and column, from 1, if it is in a line.
     pub position: Option<[usize; 2]>,
-    /// The message.
+    /// The mistake, and how to mend it.
     pub message: String,
 }
 
@@ -41,7 +41,7 @@ impl ObjFault {
 
 /// A segment of bytes without blanks, and where it stands.
 pub(crate) struct Word<'a> {
-    /// The bytes.
+    /// Bytes of the word.
     pub bytes: &'a [u8],
     /// Line and column, from 1.
     pub position: [usize; 2],

@@ -114,9 +114,9 @@ impl Rectangle {
         offset.dot(*self.normal) == 0.0 && self.duals.into_iter().all(within)
     }
 
-    /// All `points` and all `lights`, in world units, lie on one side of the plane of the rectangle.
-    /// Points from which a ray would start as from the rectangle itself, 2^-44 of its largest coordinate away,
-    /// are on both sides; of the lights those in the plane.
+    /// Whether all `points` and all `lights`, in world units, lie on one side of the plane of the rectangle.
+    /// Points within its clearance, 2^-44 of its largest coordinate, are on both sides; so are lights in the
+    /// plane itself.
     pub(crate) fn has_on_one_side(&self, points: &[DVec3], lights: &[DVec3]) -> bool {
         let all_below = |normal: DVec3| {
             let height = |point: &DVec3| (*point - self.corner).dot(normal);

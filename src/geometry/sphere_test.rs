@@ -24,8 +24,8 @@ impl SphereTest {
         }
     }
 
-    /// The ray may meet the inside at a distance with `0 ≤ t ≤ limit`. `false` is certain; `true` may
-    /// still be a miss, by rounding. NaN, as of a sphere out of the range, may meet.
+    /// Whether the ray may meet the inside at a distance with `0 ≤ t ≤ limit`. `false` is certain; `true` may
+    /// still be a miss, by rounding. A sphere that leaves the range of numbers may be met.
     #[inline]
     pub fn may_meet(&self, ray: &Ray, limit: f64) -> bool {
         let away = self.centre - ray.origin;

@@ -47,7 +47,7 @@ pub trait Surface {
         Some(self.hit_at(ray, &crossing))
     }
 
-    /// The existence of a crossing with `0 < t < limit`.
+    /// Whether there is a crossing with `0 < t < limit`.
     fn blocks(&self, ray: &Ray, limit: f64) -> bool {
         self.crossing(ray, limit).is_some()
     }

@@ -13,9 +13,6 @@ macro_rules! events {
         }
 
         impl Event {
-            /// Number of events.
-            pub const COUNT: usize = Event::ALL.len();
-
             /// All events, in the order in which reports list them.
             pub const ALL: [Event; [$($key),+].len()] = [$(Event::$event),+];
 
@@ -76,7 +73,7 @@ events! {
 
 /// A number for each event.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct PerEvent<T>([T; Event::COUNT]);
+pub struct PerEvent<T>([T; Event::ALL.len()]);
 
 /// Units of work done, by event. The same on every run, for any number of threads.
 pub type Counters = PerEvent<u64>;
@@ -102,7 +99,7 @@ impl<T> IndexMut<Event> for PerEvent<T> {
     }
 }
 
-/// The given numbers; of all other events 0.
+/// The given numbers, and 0 for all other events.
 impl<T: Copy + Default, const N: usize> From<[(Event, T); N]> for PerEvent<T> {
     fn from(numbers: [(Event, T); N]) -> PerEvent<T> {
         let mut all = PerEvent::default();

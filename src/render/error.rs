@@ -43,9 +43,9 @@ pub enum RenderError {
         *bytes as f64 / f64::from(1 << 30)
     )]
     Memory {
-        /// Columns.
+        /// Columns of the image.
         width: usize,
-        /// Rows.
+        /// Rows of the image.
         height: usize,
         /// Peak memory, bytes.
         bytes: u64,

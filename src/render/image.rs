@@ -1,9 +1,9 @@
 //! From plans to an image: the kernel of each panel, and panels side by side.
 
-use super::classified::{conventional, curve, integral, modes, ray_caster, several};
+use super::classified::{conventional, curve, integral, ray_caster, several};
 use super::counters::Counters;
 use super::error::RenderError;
-use super::footprint::{Footprint, footprint};
+use super::footprint::footprint;
 use super::pixels::{Detail, Pixels};
 use super::plan::{Kernel, Plan};
 use super::progress::{Progress, steps_of};
@@ -11,14 +11,14 @@ use super::radiative::faulty_paths;
 use super::radiative::kernels;
 use super::radiative::path_tracer::PathFault;
 use crate::film::Film;
-use crate::scene::{Classified, Radiative, Sampling};
+use crate::scene::{Radiative, Sampling};
 
 /// A finished image.
 #[derive(Clone, Debug)]
 pub struct Rendering {
     /// The panels, side by side.
     pub film: Film,
-    /// Work by panel.
+    /// Work done, by panel.
     pub work: Vec<Counters>,
     /// Bound on the error of a pixel, before it is rounded to 32 bits, relative to the brightest of
     /// the image: where a panel is an integral that states one.
@@ -48,7 +48,7 @@ pub(crate) fn render_part(
     stopped: &(dyn Fn() -> bool + Sync),
     progress: Progress<'_>,
 ) -> Result<Rendering, RenderError> {
-    let Footprint { most: bytes, .. } = footprint(plans, sampling);
+    let bytes = footprint(plans, sampling).most;
     if !has_memory(bytes) {
         return Err(RenderError::Memory {
             width: plans.iter().map(|plan| plan.panel.width).sum(),
@@ -69,12 +69,8 @@ pub(crate) fn render_part(
         progress,
     });
     let of_panels: Vec<(&Plan<'_>, Pixels<'_>)> = plans.iter().zip(of_panels).collect();
-    progress.begin(
-        of_panels
-            .iter()
-            .map(|(plan, pixels)| steps(plan, pixels))
-            .sum(),
-    );
+    let steps = of_panels.iter().map(|(plan, pixels)| steps(plan, pixels));
+    progress.begin(steps.sum());
     let mut films = Vec::new();
     let mut work = Vec::new();
     let mut error = None::<f64>;
@@ -82,10 +78,7 @@ pub(crate) fn render_part(
         let panel = render_panel(plan, sampling, pixels)?;
         films.push(panel.film);
         work.push(panel.work);
-        error = match (error, panel.error) {
-            (Some(error), Some(panel)) => Some(error.max(panel)),
-            (error, panel) => error.or(panel),
-        };
+        error = error.into_iter().chain(panel.error).reduce(f64::max);
     }
     let film = Film::side_by_side(&films);
     match film.first_without_radiance() {
@@ -137,29 +130,35 @@ fn render_panel(
     pixels: &Pixels<'_>,
 ) -> Result<PanelImage, RenderError> {
     let panel = plan.panel;
-    let part = PanelPart {
-        width: pixels.detail.columns(panel.width).len(),
-        height: pixels.detail.rows(panel.height).len(),
+    let [width, height] = pixels.rendered_size();
+    let with_opacity = |(values, work): (Vec<[f32; 4]>, Counters)| {
+        let values = finished(values, pixels)?;
+        Ok((Film::with_opacity(width, height, values), work))
     };
     let mut error = None;
     let (film, work) = match plan.kernel {
         Kernel::Curve(plot) => {
             let drawn = curve::draw(plot, [panel.width, panel.height], pixels.progress);
-            part.cast((pixels.those_rendered(&drawn), Counters::default()))?
+            with_opacity((pixels.those_rendered(&drawn), Counters::default()))?
         }
-        Kernel::Background(scene) => part.cast((background(scene, pixels), Counters::default()))?,
+        Kernel::Background(scene) => {
+            let [r, g, b] = scene.background.as_vec3().to_array();
+            let values = vec![[r, g, b, 0.0]; pixels.count()];
+            with_opacity((values, Counters::default()))?
+        }
         Kernel::RayCaster { scene, features } => {
-            part.cast(ray_caster::cast(scene, features, pixels))?
+            with_opacity(ray_caster::cast(scene, features, pixels))?
         }
-        Kernel::Conventional(scene) => part.cast(conventional::cast(scene, pixels))?,
-        Kernel::Field(scene) => part.cast(modes::cast(scene, pixels))?,
-        Kernel::Several(scene) => part.cast(several::cast(scene, pixels))?,
+        Kernel::Conventional(scene) | Kernel::Field(scene) => {
+            with_opacity(conventional::cast(scene, pixels))?
+        }
+        Kernel::Several(scene) => with_opacity(several::cast(scene, pixels))?,
         Kernel::Integral(scene) => {
             let (integrals, work) = integral::integrate(scene, pixels);
             let errors = integrals.iter().map(|pixel| pixel.1);
             error = Some(errors.fold(0.0, f64::max));
             let values = integrals.into_iter().map(|pixel| pixel.0);
-            (part.film(values.collect())?, work)
+            with_opacity((values.collect(), work))?
         }
         Kernel::LineOfSight {
             scene,
@@ -167,8 +166,8 @@ fn render_panel(
             scatters,
         } => {
             let (radiance, work) = kernels::integrate(scene, features, scatters, pixels);
-            let radiance = part.without_faults(scene, part.finished(radiance)?)?;
-            (Film::new(part.width, part.height, radiance), work)
+            let radiance = without_faults(finished(radiance, pixels)?, scene, width)?;
+            (Film::new(width, height, radiance), work)
         }
         Kernel::PathTracer {
             scene,
@@ -180,71 +179,40 @@ fn render_panel(
                 None => kernels::trace(scene, features, max_order, seed, pixels),
                 Some(fault) => faulty_paths::trace(scene, fault, seed, pixels),
             };
-            let moments = part.without_faults(scene, part.finished(moments)?)?;
-            let size = [part.width, part.height];
-            (Film::of_moments(size, &moments, pixels.samples), work)
+            let moments = without_faults(finished(moments, pixels)?, scene, width)?;
+            let film = Film::of_moments([width, height], &moments, pixels.samples);
+            (film, work)
         }
     };
     Ok(PanelImage { film, work, error })
 }
 
-/// The part of a panel that is rendered.
-#[derive(Clone, Copy)]
-struct PanelPart {
-    /// Pixels in a row: those of the film, the panel may have more.
+/// All `values` of `pixels`, or the error of a rendering that was stopped before.
+fn finished<P>(values: Vec<P>, pixels: &Pixels<'_>) -> Result<Vec<P>, RenderError> {
+    if values.len() == pixels.count() {
+        Ok(values)
+    } else {
+        Err(RenderError::Stopped)
+    }
+}
+
+/// The pixels of an image of `scene` in rows of this `width`, or the error of the first without a radiance.
+fn without_faults<P>(
+    pixels: Vec<Result<P, PathFault>>,
+    scene: &Radiative,
     width: usize,
-    /// Rows.
-    height: usize,
-}
-
-impl PanelPart {
-    /// All of `pixels`, or the error of a rendering that was stopped before.
-    fn finished<P>(self, pixels: Vec<P>) -> Result<Vec<P>, RenderError> {
-        if pixels.len() == self.width * self.height {
-            Ok(pixels)
-        } else {
-            Err(RenderError::Stopped)
-        }
-    }
-
-    /// The film of radiance and opacity, and the work that it took.
-    fn cast(
-        self,
-        (pixels, work): (Vec<[f32; 4]>, Counters),
-    ) -> Result<(Film, Counters), RenderError> {
-        Ok((self.film(pixels)?, work))
-    }
-
-    /// The film of radiance and opacity.
-    fn film(self, pixels: Vec<[f32; 4]>) -> Result<Film, RenderError> {
-        let pixels = self.finished(pixels)?;
-        Ok(Film::with_opacity(self.width, self.height, pixels))
-    }
-
-    /// The pixels, or the error of the first without a radiance, if any.
-    fn without_faults<P>(
-        self,
-        scene: &Radiative,
-        pixels: Vec<Result<P, PathFault>>,
-    ) -> Result<Vec<P>, RenderError> {
-        let mut faults = pixels.iter().map(|pixel| pixel.as_ref().err()).enumerate();
-        let Some((index, fault)) = faults.find_map(|(index, fault)| Some((index, *fault?))) else {
-            return Ok(pixels.into_iter().flatten().collect());
-        };
-        let pixel = [index % self.width, index / self.width];
-        let has_points = scene.lights.iter().any(|light| light.position().is_some());
-        Err(match fault {
-            PathFault::Endless => RenderError::Endless(pixel),
-            PathFault::Infinite if has_points => RenderError::Divergent(pixel),
-            PathFault::Infinite => RenderError::TooBright(pixel),
-            PathFault::Majorant => RenderError::Majorant(pixel),
+) -> Result<Vec<P>, RenderError> {
+    let has_points = scene.lights.iter().any(|light| light.position().is_some());
+    let radiance = |(index, pixel): (usize, Result<P, PathFault>)| {
+        let place = [index % width, index / width];
+        pixel.map_err(|fault| match fault {
+            PathFault::Endless => RenderError::Endless(place),
+            PathFault::Infinite if has_points => RenderError::Divergent(place),
+            PathFault::Infinite => RenderError::TooBright(place),
+            PathFault::Majorant => RenderError::Majorant(place),
         })
-    }
-}
-
-fn background(scene: &Classified, pixels: &Pixels<'_>) -> Vec<[f32; 4]> {
-    let [r, g, b] = scene.background.as_vec3().to_array();
-    vec![[r, g, b, 0.0]; pixels.count()]
+    };
+    pixels.into_iter().enumerate().map(radiance).collect()
 }
 
 #[cfg(test)]
@@ -318,16 +286,12 @@ mod tests {
         }
     }
 
-    fn at(width: usize) -> PanelPart {
-        PanelPart { height: 0, width }
-    }
-
     #[test]
     fn the_first_fault_is_said() {
         let mut pixels = vec![Ok(()); 8];
         pixels[4] = Err(PathFault::Majorant);
         pixels[6] = Err(PathFault::Endless);
-        let found = at(3).without_faults(&scene(vec![]), pixels);
+        let found = without_faults(pixels, &scene(vec![]), 3);
         assert_eq!(found, Err(RenderError::Majorant([1, 1])));
     }
 
@@ -335,7 +299,7 @@ mod tests {
     fn only_a_light_without_extent_is_blamed_for_light_without_bound() {
         let pixels = vec![Ok(()), Err(PathFault::Infinite)];
         assert_eq!(
-            at(2).without_faults(&scene(vec![]), pixels.clone()),
+            without_faults(pixels.clone(), &scene(vec![]), 2),
             Err(RenderError::TooBright([1, 0]))
         );
         let lamp = Light::Point(Point {
@@ -343,7 +307,7 @@ mod tests {
             intensity: DVec3::ONE,
         });
         assert_eq!(
-            at(2).without_faults(&scene(vec![lamp]), pixels),
+            without_faults(pixels, &scene(vec![lamp]), 2),
             Err(RenderError::Divergent([1, 0]))
         );
     }

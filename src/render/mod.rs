@@ -19,7 +19,7 @@ mod progress;
 pub mod radiative;
 
 pub use crate::scene::{Sampling, Seed};
-pub(crate) use classified::curve::PlotLayout;
+pub(crate) use classified::curve::{self, PlotLayout};
 pub use classified::depth::depth;
 pub use counters::{Counters, Event};
 pub use error::RenderError;

@@ -9,7 +9,7 @@ use std::ops::Range;
 /// Which pixels of an image are rendered.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Detail {
-    /// All.
+    /// All pixels.
     Whole,
     /// In each panel every n-th column and row, the first n/2 from the edge. Each pixel has the
     /// same bits as in the whole image.
@@ -22,23 +22,18 @@ pub enum Detail {
 }
 
 impl Detail {
-    /// The columns out of `width` that are rendered, or that begin a block.
-    pub fn columns(self, width: usize) -> StepBy<Range<usize>> {
-        self.rows(width)
-    }
-
-    /// The rows out of `height` that are rendered, or that begin a block.
-    pub fn rows(self, height: usize) -> StepBy<Range<usize>> {
+    /// The columns, or rows, out of `count` that are rendered or begin a block.
+    pub fn places(self, count: usize) -> StepBy<Range<usize>> {
         let (first, end, step) = match self {
-            Detail::Whole => (0, height, 1),
-            Detail::Lattice(every) => ((every / 2).min(height.saturating_sub(1)), height, every),
-            Detail::Blocks(edge) => (0, height - height % edge, edge),
+            Detail::Whole => (0, count, 1),
+            Detail::Lattice(every) => ((every / 2).min(count.saturating_sub(1)), count, every),
+            Detail::Blocks(edge) => (0, count - count % edge, edge),
         };
         (first..end).step_by(step)
     }
 
-    /// Edge of what a pixel is a mean of, in pixels of the whole image.
-    fn edge(self) -> f64 {
+    /// Edge of the square that a pixel is the mean of, in pixels of the whole image.
+    pub(super) fn edge(self) -> f64 {
         match self {
             Detail::Whole | Detail::Lattice(_) => 1.0,
             Detail::Blocks(edge) => edge as f64,
@@ -60,21 +55,21 @@ pub(super) struct Pixels<'p> {
 
 impl Pixels<'_> {
     fn columns(&self) -> StepBy<Range<usize>> {
-        self.detail.columns(self.width)
+        self.detail.places(self.width)
     }
 
     fn rows(&self) -> StepBy<Range<usize>> {
-        self.detail.rows(self.height)
+        self.detail.places(self.height)
     }
 
-    /// Edge of what a pixel is a mean of, in pixels of the whole image.
-    pub fn edge(&self) -> f64 {
-        self.detail.edge()
+    /// Numbers of columns and of rows that are rendered.
+    pub fn rendered_size(&self) -> [usize; 2] {
+        [self.columns().len(), self.rows().len()]
     }
 
     /// Number of pixels that are rendered.
     pub fn count(&self) -> usize {
-        self.columns().len() * self.rows().len()
+        self.rendered_size().iter().product()
     }
 
     /// The rendered pixels of an image of all pixels.
@@ -88,28 +83,22 @@ impl Pixels<'_> {
     }
 }
 
-/// The values of `pixel` at every rendered pixel [column, row], with that many samples; rows in
-/// parallel. A pixel depends only on its position, and pixels are collected in order, so
-/// the image is the same for any number of threads. `scratch` allocates memory that the pixels of a
-/// row share in turn.
+/// The values of `pixel` at every rendered pixel [column, row]; rows in parallel. A pixel depends only on
+/// its position, and pixels are collected in order, so the image is the same for any number of threads.
+/// `scratch` allocates memory that the pixels of a row share in turn.
 ///
 /// This is compiled for every kernel, so it is the loop along a row and no more.
 pub(super) fn rows<P: Send, S>(
     pixels: &Pixels<'_>,
     scratch: impl Fn() -> S + Sync,
-    pixel: impl Fn([usize; 2], u32, &mut S, &mut Counters) -> P + Sync,
+    pixel: impl Fn([usize; 2], &mut S, &mut Counters) -> P + Sync,
 ) -> (Vec<P>, Counters) {
     in_parallel(pixels, &|row| {
         let mut work = Counters::default();
         let mut scratch = scratch();
         let mut values = Vec::with_capacity(pixels.columns().len());
         for column in pixels.columns() {
-            values.push(pixel(
-                [column, row],
-                pixels.samples,
-                &mut scratch,
-                &mut work,
-            ));
+            values.push(pixel([column, row], &mut scratch, &mut work));
             pixels.progress.step();
         }
         (values, work)
@@ -121,7 +110,7 @@ pub(super) fn each<P: Send>(
     pixels: &Pixels<'_>,
     pixel: impl Fn([usize; 2], &mut Counters) -> P + Sync,
 ) -> (Vec<P>, Counters) {
-    rows(pixels, || (), |position, _, (), work| pixel(position, work))
+    rows(pixels, || (), |position, (), work| pixel(position, work))
 }
 
 /// All rows, evaluated in parallel and put together. The parallel loop is a good part of a kernel's

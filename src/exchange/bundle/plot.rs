@@ -2,12 +2,12 @@
 
 use super::inline_arrays::{Entries, entries};
 use super::points;
-use crate::render::PlotLayout;
+use crate::render::{PlotLayout, curve};
 use crate::scene::Curve;
 
 /// All that is drawn for the plot of `curve`, whose backdrop stands in `file`. Frame, grid and
 /// letters are given as an image: fonts are not what is tested.
-pub(super) fn described(curve: &Curve, layout: &PlotLayout, file: String) -> Entries {
+pub(super) fn described(curve: &Curve, layout: &PlotLayout<'_>, file: String) -> Entries {
     let format = "bare float32, little endian: linear R, G, B of every pixel, row by row from the \
                   top; all of the picture but the curves";
     let backdrop = entries! { "file": file, "format": format };
@@ -34,7 +34,7 @@ pub(super) fn described(curve: &Curve, layout: &PlotLayout, file: String) -> Ent
     };
     let blending = "pixel = pixel + (colour - pixel)*coverage, in linear RGB";
     let line = entries! {
-        "half_width": PlotLayout::HALF_WIDTH, "coverage": coverage, "blending": blending,
+        "half_width": curve::HALF_WIDTH, "coverage": coverage, "blending": blending,
     };
     let mut entries = entries! {
         "shows": "plot", "backdrop": backdrop, "axes": axes, "line": line,
@@ -50,8 +50,8 @@ fn curves(curve: &Curve) -> Entries {
             let order = "first the curve of the opacity 1 - T(d), then over it that of T(d)";
             entries! {
                 "kind": "formula", "floor": opacity.floor, "transparency": transparency,
-                "opacity_colour": PlotLayout::opacity_colour(),
-                "transparency_colour": PlotLayout::transparency_colour(), "order": order,
+                "opacity_colour": curve::linear(curve::OPACITY),
+                "transparency_colour": curve::linear(curve::TRANSPARENCY), "order": order,
             }
         }
         Curve::Points(table) => {
@@ -62,7 +62,7 @@ fn curves(curve: &Curve) -> Entries {
                          y is not bottom), pixel = min(1, colour(d(x))); then the line over it";
             entries! {
                 "kind": "table", "points": points(table), "opacity": opacity,
-                "line_colour": PlotLayout::line_colour(), "order": order,
+                "line_colour": curve::linear(curve::INK), "order": order,
             }
         }
     }

@@ -40,8 +40,8 @@ impl<'a> Images<'a> {
 
     fn of_panel(&self, panel: &Panel, known: &NodeGradients, detail: Detail) -> Option<Film> {
         let caster = RayCaster::with_gradients(panel.classified()?, Some(known));
-        let columns: Vec<usize> = detail.columns(panel.width).collect();
-        let rows: Vec<usize> = detail.rows(panel.height).collect();
+        let columns: Vec<usize> = detail.places(panel.width).collect();
+        let rows: Vec<usize> = detail.places(panel.height).collect();
         let pixel = |index: usize| {
             let place = [columns[index % columns.len()], rows[index / columns.len()]];
             let (pixel, work) = caster.pixel(place, [panel.width, panel.height]);

@@ -160,10 +160,10 @@ fn blocks(scene: &Scene) -> Option<Detail> {
 pub(in crate::naming) fn pixels_of(film: &Film, scene: &Scene, detail: Detail) -> Film {
     let (mut columns, mut left) = (Vec::new(), 0);
     for panel in &scene.panels {
-        columns.extend(detail.columns(panel.width).map(|column| left + column));
+        columns.extend(detail.places(panel.width).map(|column| left + column));
         left += panel.width;
     }
-    let rows = detail.rows(film.height());
+    let rows = detail.places(film.height());
     let height = rows.len();
     let places = rows.flat_map(|row| {
         columns

@@ -17,14 +17,17 @@ use std::convert::Infallible;
 /// sRGB colours of the plot.
 const PAPER: [u8; 3] = [255, 255, 255];
 const GRID: [u8; 3] = [222, 222, 226];
-const INK: [u8; 3] = [60, 60, 66];
-const TRANSPARENCY: [u8; 3] = [31, 90, 170];
-const OPACITY: [u8; 3] = [200, 80, 20];
+/// sRGB colour of axes, labels, and the line of a table of points.
+pub(crate) const INK: [u8; 3] = [60, 60, 66];
+/// sRGB colour of the curve of transparency.
+pub(crate) const TRANSPARENCY: [u8; 3] = [31, 90, 170];
+/// sRGB colour of the curve of opacity.
+pub(crate) const OPACITY: [u8; 3] = [200, 80, 20];
 
 /// Distance between lines of the grid, on both axes; with a table of points, upwards only.
 const TICK: f64 = 0.2;
 /// Half the width of a curve, pixels.
-const HALF_WIDTH: f64 = 1.1;
+pub(crate) const HALF_WIDTH: f64 = 1.1;
 
 /// The plot of `curve` in an image of `width` × `height` pixels, opacity 1.
 pub(in crate::render) fn draw(
@@ -32,8 +35,8 @@ pub(in crate::render) fn draw(
     [width, height]: [usize; 2],
     progress: Progress<'_>,
 ) -> Vec<[f32; 4]> {
-    let plot = PlotAxes::new(curve, width, height);
-    let mut pixels = plot.backdrop(width, height);
+    let plot = PlotLayout::new(curve, width, height);
+    let mut pixels = plot.without_curves();
     pixels
         .par_iter_mut()
         .enumerate()
@@ -47,83 +50,35 @@ pub(in crate::render) fn draw(
         .collect()
 }
 
-/// The plot without its curves, for readers without our font: axes and backdrop.
-#[derive(Clone, Debug)]
-pub(crate) struct PlotLayout {
-    /// Left end of the axis of densities, pixels from the left edge of the image.
-    pub left: f64,
-    /// Its right end, likewise.
-    pub right: f64,
-    /// Position of value 1, pixels from the top edge of the image.
-    pub top: f64,
-    /// Position of value 0, likewise.
-    pub bottom: f64,
-    /// Density at the left end.
-    pub from: f64,
-    /// Density at the right end.
-    pub to: f64,
-    /// Paper, grid, axes and labels: linear RGB, row by row from the top.
-    pub backdrop: Vec<[f32; 3]>,
-}
-
-impl PlotLayout {
-    /// Half the width of a curve, pixels.
-    pub(crate) const HALF_WIDTH: f64 = HALF_WIDTH;
-
-    /// The layout of the plot of `curve` in an image of `width` × `height` pixels.
-    pub fn new(curve: &Curve, width: usize, height: usize) -> PlotLayout {
-        let plot = PlotAxes::new(curve, width, height);
-        let backdrop = plot.backdrop(width, height);
-        PlotLayout {
-            left: plot.left,
-            right: plot.right,
-            top: plot.top,
-            bottom: plot.bottom,
-            from: plot.from,
-            to: plot.to,
-            backdrop: backdrop
-                .iter()
-                .map(|pixel| pixel.map(|channel| channel as f32))
-                .collect(),
-        }
-    }
-
-    /// Linear colour of the curve of transparency.
-    pub(crate) fn transparency_colour() -> [f64; 3] {
-        linear(TRANSPARENCY)
-    }
-
-    /// Linear colour of the curve of opacity.
-    pub(crate) fn opacity_colour() -> [f64; 3] {
-        linear(OPACITY)
-    }
-
-    /// Linear colour of the line of a table of points.
-    pub(crate) fn line_colour() -> [f64; 3] {
-        linear(INK)
-    }
-}
-
 /// Image coordinates of the centre of a pixel.
 fn centre(index: usize, width: usize) -> [f64; 2] {
     [index % width, index / width].map(|place| place as f64 + 0.5)
 }
 
 /// The axes of the plot: densities and values to pixels from the top left corner of the image.
-struct PlotAxes<'c> {
-    left: f64,
-    right: f64,
-    top: f64,
-    bottom: f64,
-    from: f64,
-    to: f64,
+pub(crate) struct PlotLayout<'c> {
+    width: usize,
+    height: usize,
+    /// Left end of the axis of densities, pixels from the left edge of the image.
+    pub left: f64,
+    /// Its right end, pixels from the left edge.
+    pub right: f64,
+    /// Position of value 1, pixels from the top edge of the image.
+    pub top: f64,
+    /// Position of value 0, pixels from the top edge.
+    pub bottom: f64,
+    /// Density at the left end.
+    pub from: f64,
+    /// Density at the right end.
+    pub to: f64,
     /// Lines of the grid on the axis of densities, with their labels.
     ticks: Vec<(f64, String)>,
     curve: &'c Curve,
 }
 
-impl PlotAxes<'_> {
-    fn new(curve: &Curve, width: usize, height: usize) -> PlotAxes<'_> {
+impl PlotLayout<'_> {
+    /// The layout of the plot of `curve` in an image of `width` × `height` pixels.
+    pub fn new(curve: &Curve, width: usize, height: usize) -> PlotLayout<'_> {
         let (from, to, ticks) = match curve {
             Curve::Formula { densities, .. } => {
                 let ticks = ticks(*densities).map(|d| (d, format!("{d:.1}")));
@@ -135,7 +90,9 @@ impl PlotAxes<'_> {
             }
         };
         // Room for the labels; whole pixels, so that the frame falls on pixel centres.
-        PlotAxes {
+        PlotLayout {
+            width,
+            height,
             left: 26.5,
             right: (width as f64 - 10.5).max(27.5),
             top: 8.5,
@@ -161,12 +118,17 @@ impl PlotAxes<'_> {
         (share * (self.to - self.from) + self.from).max(self.from)
     }
 
-    /// Everything but the curves, in linear colours.
-    fn backdrop(&self, width: usize, height: usize) -> Vec<[f64; 3]> {
-        let mut pixels: Vec<[f64; 3]> = (0..width * height)
-            .map(|index| self.paper(centre(index, width)))
+    /// Everything but the curves, for readers without our font: linear RGB, row by row from the top.
+    pub fn backdrop(&self) -> Vec<[f32; 3]> {
+        let pixels = self.without_curves().into_iter();
+        pixels.map(|pixel| pixel.map(|it| it as f32)).collect()
+    }
+
+    fn without_curves(&self) -> Vec<[f64; 3]> {
+        let mut pixels: Vec<[f64; 3]> = (0..self.width * self.height)
+            .map(|index| self.paper(centre(index, self.width)))
             .collect();
-        self.label(&mut pixels, width, height);
+        self.label(&mut pixels);
         pixels
     }
 
@@ -255,12 +217,13 @@ impl PlotAxes<'_> {
         (HALF_WIDTH + 0.5 - distance).clamp(0.0, 1.0)
     }
 
-    fn label(&self, pixels: &mut [[f64; 3]], width: usize, height: usize) {
+    /// Writes the labels of the grid, of the axis and of the curves.
+    fn label(&self, pixels: &mut [[f64; 3]]) {
         let mut ink = |text: &str, x: f64, y: f64, colour: [u8; 3], align: Alignment| {
             let mut canvas = PlotCanvas {
                 pixels,
-                width,
-                height,
+                width: self.width,
+                height: self.height,
                 colour: linear(colour),
             };
             let style = MonoTextStyle::new(&FONT_6X12, BinaryColor::On);
@@ -309,7 +272,7 @@ fn ticks(end: f64) -> impl Iterator<Item = f64> {
     (0..=count.min(100)).map(|i| i as f64 * TICK)
 }
 
-/// The values from the first point to the last; of a lone point, some around it.
+/// The values from the first point to the last, or some around a lone point.
 fn extent(points: &TransferPoints) -> (f64, f64) {
     let points = points.points();
     let (first, last) = (points[0].value, points[points.len() - 1].value);
@@ -352,7 +315,8 @@ fn round_ticks(from: f64, to: f64) -> Vec<(f64, String)> {
         .collect()
 }
 
-fn linear(srgb: [u8; 3]) -> [f64; 3] {
+/// The linear colour of these sRGB codes.
+pub(crate) fn linear(srgb: [u8; 3]) -> [f64; 3] {
     srgb.map(|code| math::srgb_to_linear(f64::from(code) / 255.0))
 }
 

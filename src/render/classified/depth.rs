@@ -1,12 +1,12 @@
 //! Depth of a classified volume, from the optical depths along a ray.
 //!
-//! Steps, pieces of several volumes and surfaces that a ray passes are summed as optical depths `τ`, in which opacity is `1 − e^(−τ)` and half of it is reached at
-//! `ln 2`: the sums keep their digits in thin volumes. The plain definition is
-//! [`reference::depth`](crate::reference::depth).
+//! A ray passes steps, pieces of several volumes, and surfaces. Their optical depths `τ` are summed: opacity is
+//! `1 − e^(−τ)`, and half of it is reached at `ln 2`. So the sums keep their digits in thin volumes. The plain
+//! definition is [`reference::depth`](crate::reference::depth).
 
 use super::integral::RayIntegrator;
 use super::modes::ExactField;
-use super::several::Caster;
+use super::several::{Caster, PassedLayer};
 use crate::conventions::RayCaster;
 use crate::film::Depth;
 use crate::geometry::Ray;
@@ -20,126 +20,85 @@ use rayon::prelude::*;
 ///
 /// If a panel has no depth: the message says why, and what to do.
 pub fn depth(scene: &Scene, depth: Depth) -> Result<Vec<f32>, String> {
-    of_pixels(
-        scene,
-        depth.along_view,
-        |volume, passed, ray| match passed {
-            Passed::Integral(integral) => integral.depth(ray, depth.half),
-            Passed::Layers(layers) => along(&layers(ray), volume.compositing, depth.half),
-        },
-    )
-}
-
-/// A distance of each pixel, from the volume of its panel, what rays pass there, and its ray.
-fn of_pixels(
-    scene: &Scene,
-    along_view: bool,
-    distance: impl Fn(&Classified, &Passed<'_>, &Ray) -> f64 + Sync,
-) -> Result<Vec<f32>, String> {
-    let panels: Result<Vec<_>, String> = scene
-        .panels
-        .iter()
-        .map(|panel| Ok((panel, passed(panel)?)))
-        .collect();
+    let of_panel = |panel| {
+        let volume = volume_with_depth(panel)?;
+        Ok((panel, volume, depth_along(volume, depth.half)))
+    };
+    let panels: Result<Vec<_>, String> = scene.panels.iter().map(of_panel).collect();
     let panels = panels?;
     let pixels: Vec<_> = (0..scene.height())
         .flat_map(|row| {
-            let pixels = panels.iter().map(move |(panel, passed)| {
-                (0..panel.width).map(move |column| (panel, passed, [column, row]))
+            let pixels = panels.iter().map(move |panel @ (Panel { width, .. }, ..)| {
+                (0..*width).map(move |column| (panel, [column, row]))
             });
             pixels.flatten()
         })
         .collect();
-    let of_pixel = |(panel, (volume, passed), pixel): (&&Panel, &(&Classified, Passed<'_>), _)| {
-        let ray = volume.camera.ray(pixel, [panel.width, panel.height]);
-        let cosine = ray.direction.dot(*volume.camera.axis);
-        let scale = if along_view { cosine } else { 1.0 };
-        (scale * distance(volume, passed, &ray)) as f32
-    };
+    let of_pixel =
+        |((panel, volume, along), pixel): (&(&Panel, &Classified, DepthAlong<'_>), _)| {
+            let ray = volume.camera.ray(pixel, [panel.width, panel.height]);
+            let cosine = ray.direction.dot(*volume.camera.axis);
+            let scale = if depth.along_view { cosine } else { 1.0 };
+            (scale * along(&ray)) as f32
+        };
     Ok(pixels.into_par_iter().map(of_pixel).collect())
 }
 
-/// A step of a ray through volumes, or a surface that it passes.
-struct Layer {
-    /// Distance of its middle from the eye.
-    t: f64,
-    /// Length along the ray; 0 for a surface.
-    length: f64,
-    /// Optical depth.
-    depth: f64,
-}
-
-impl Layer {
-    fn of((t, length, opacity): (f64, f64, f64)) -> Layer {
-        Layer {
-            t,
-            length,
-            depth: ln_1p(-opacity).abs(),
+/// The volume of `panel`, if its depth is defined.
+fn volume_with_depth(panel: &Panel) -> Result<&Classified, String> {
+    let reason = match &panel.model {
+        Model::Classified(volume) if matches!(volume.mode, Mode::Projection(_)) => {
+            "a projection has no depth: leave `mode` out, or ask for isosurfaces"
         }
-    }
-
-    fn of_surfaces(passed: Vec<(f64, Isosurface)>) -> Vec<Layer> {
-        let layer = |(t, surface): (f64, Isosurface)| Layer::of((t, 0.0, surface.opacity));
-        passed.into_iter().map(layer).collect()
-    }
-}
-
-/// What a ray passes, from the eye on.
-type LayersAlong<'s> = dyn Fn(&Ray) -> Vec<Layer> + Sync + 's;
-
-/// What rays pass.
-enum Passed<'s> {
-    /// Steps, pieces of several volumes, or surfaces.
-    Layers(Box<LayersAlong<'s>>),
-    /// Volumes without steps, and a surface.
-    Integral(Box<RayIntegrator<'s>>),
-}
-
-/// The volume of a panel, and what rays pass in it.
-fn passed(panel: &Panel) -> Result<(&Classified, Passed<'_>), String> {
-    let Model::Classified(volume) = &panel.model else {
-        return Err("depth is that of a classified volume, and the scene has none".to_owned());
-    };
-    if matches!(volume.mode, Mode::Projection(_)) {
-        return Err(
-            "a projection has no depth: leave `mode` out, or ask for isosurfaces".to_owned(),
-        );
-    }
-    if volume.conventions != Conventions::default() {
-        return Err(
+        Model::Classified(volume) if volume.conventions != Conventions::default() => {
             "depth is that of volref's own conventions: leave out [classified.conventions]"
-                .to_owned(),
-        );
-    }
-    let passed = match &volume.mode {
+        }
+        Model::Classified(volume) => return Ok(volume),
+        _ => "depth is that of a classified volume, and the scene has none",
+    };
+    Err(reason.to_owned())
+}
+
+/// The depth along a ray, world units.
+type DepthAlong<'s> = Box<dyn Fn(&Ray) -> f64 + Sync + 's>;
+
+/// The depth along rays through `volume`: where opacity reaches one `half`, or else its mean.
+fn depth_along(volume: &Classified, half: bool) -> DepthAlong<'_> {
+    let of_layers = move |layers| depth_of(layers, volume.compositing, half);
+    let of_surfaces = move |passed: Vec<(f64, Isosurface)>| {
+        let layers = passed.into_iter().map(|(t, surface)| PassedLayer {
+            t,
+            length: 0.0,
+            opacity: surface.opacity,
+        });
+        of_layers(layers.collect())
+    };
+    match &volume.mode {
         Mode::Isosurfaces(surfaces) if volume.is_exact() => {
             let field = ExactField::new(volume);
-            Passed::Layers(Box::new(move |ray| {
-                Layer::of_surfaces(field.passed_along(surfaces, ray))
-            }))
+            Box::new(move |ray| of_surfaces(field.passed_along(surfaces, ray)))
         }
         Mode::Isosurfaces(surfaces) => {
             let caster = RayCaster::with_gradients(volume, None);
-            Passed::Layers(Box::new(move |ray| {
-                Layer::of_surfaces(caster.passed_along(surfaces, ray))
-            }))
+            Box::new(move |ray| of_surfaces(caster.passed_along(surfaces, ray)))
         }
-        _ if volume.continuous => Passed::Integral(Box::new(RayIntegrator::new(volume))),
+        _ if volume.continuous => {
+            let integrator = RayIntegrator::new(volume);
+            Box::new(move |ray| integrator.depth(ray, half))
+        }
         _ => {
             let caster = Caster::unlit(volume);
-            Passed::Layers(Box::new(move |ray| {
-                caster.passed(ray).into_iter().map(Layer::of).collect()
-            }))
+            Box::new(move |ray| of_layers(caster.passed(ray)))
         }
-    };
-    Ok((volume, passed))
+    }
 }
 
 /// Depth of these layers, from the eye on; infinite where there is none.
-fn along(layers: &[Layer], compositing: Compositing, half: bool) -> f64 {
+fn depth_of(layers: Vec<PassedLayer>, compositing: Compositing, half: bool) -> f64 {
     let half_of_it = ln(2.0);
     let (mut before, mut moments) = (0.0, 0.0);
-    for Layer { t, length, depth } in layers {
+    for PassedLayer { t, length, opacity } in layers {
+        let depth = ln_1p(-opacity).abs();
         if half && before + depth >= half_of_it {
             let begin = t - 0.5 * length;
             return begin + length * ((half_of_it - before) / depth);

@@ -40,7 +40,7 @@ const TOLERANCE: f64 = 1e-8;
 pub struct RayIntegral {
     /// Radiance, background included, with the bound on its error; and the optical depth.
     pub light: CollocatedLight,
-    /// Cells on the way.
+    /// Number of cells that the ray passes.
     pub cells: u64,
     /// Points at which the transfer function was evaluated.
     pub points: u64,
@@ -246,16 +246,11 @@ impl<'s> RayIntegrator<'s> {
         }
     }
 
-    /// Distance along `ray` of the surface that ends it.
-    fn surface(&self, ray: &Ray) -> Option<f64> {
-        let hit = self.scene.objects.nearest_surface(ray);
-        hit.map(|(hit, _)| hit.t)
-    }
-
     /// Depth along `ray`: the mean `∫ t dα / α` over the opacity `α`, or where `α` reaches one `half`. Infinite where
     /// there is none.
     pub fn depth(&self, ray: &Ray, half: bool) -> f64 {
-        let surface = self.surface(ray);
+        let hit = self.scene.objects.nearest_surface(ray);
+        let surface = hit.map(|(hit, _)| hit.t);
         let way = self.way(ray, surface.unwrap_or(f64::INFINITY));
         // The light of matter as bright as it is far away.
         let distances = |piece: &[f64; 2], segments: &[&Segment<'_>], tolerance: f64| {
@@ -292,14 +287,12 @@ impl<'s> RayIntegrator<'s> {
     }
 }
 
-/// A pixel: radiance and opacity, and the bound on the error of its radiance.
-pub(in crate::render) type BoundedPixel = ([f32; 4], f64);
-
-/// The pixels of `scene`.
+/// The pixels of `scene`: radiance, the opacity of the volume in front of the background, and the bound on the error of
+/// the radiance.
 pub(in crate::render) fn integrate(
     scene: &Classified,
     pixels: &Pixels<'_>,
-) -> (Vec<BoundedPixel>, Counters) {
+) -> (Vec<([f32; 4], f64)>, Counters) {
     let integrator = RayIntegrator::new(scene);
     let size = [pixels.width, pixels.height];
     each(pixels, |position, work| {
@@ -309,15 +302,11 @@ pub(in crate::render) fn integrate(
         work.count_times(Event::DensityLookup, integral.cells);
         work.count_times(Event::Attenuation, integral.points);
         work.count_times(Event::EmissionTerm, integral.points);
-        (pixel(&integral.light), integral.light.radiance_error)
+        let light = integral.light;
+        let DVec3 { x, y, z } = light.radiance;
+        let pixel = [x, y, z, -exp_m1(-light.depth)].map(|value| value as f32);
+        (pixel, light.radiance_error)
     })
-}
-
-/// Radiance of a pixel, and the opacity of the volume in front of the background.
-fn pixel(light: &CollocatedLight) -> [f32; 4] {
-    let opacity = -exp_m1(-light.depth);
-    let DVec3 { x, y, z } = light.radiance;
-    [x, y, z, opacity].map(|value| value as f32)
 }
 
 /// The place from which on `is_behind` holds, between the ends of a `piece`.

@@ -13,34 +13,12 @@
 //!
 //! Source: Marmitt et al. 2004, "Fast and accurate ray-voxel intersection techniques for iso-surface ray tracing".
 
-use super::conventional::count;
 use crate::conventions::{RayCaster, RayWork, kept};
 use crate::geometry::{Ray, Span};
 use crate::math::{Sum, exp, polynomial, sign_changes};
 use crate::render::counters::{Counters, Event};
-use crate::render::pixels::{Pixels, each};
 use crate::scene::{Classified, Isosurface, Isosurfaces, Mode, Projected, Projection, Window};
 use crate::volume::{CubicSegment, GridDensity, PlacedBox};
-
-/// The pixels of `scene`.
-pub(in crate::render) fn cast(
-    scene: &Classified,
-    pixels: &Pixels<'_>,
-) -> (Vec<[f32; 4]>, Counters) {
-    let caster = RayCaster::new(scene);
-    let exact = scene.is_exact().then(|| ExactField::new(scene));
-    let size = [pixels.width, pixels.height];
-    let (image, mut work) = each(pixels, |position, work| {
-        let (pixel, of_ray) = match &exact {
-            Some(field) => field.pixel(&caster, &scene.camera.ray(position, size), work),
-            None => caster.pixel(position, size),
-        };
-        count(of_ray, work);
-        pixel
-    });
-    work.count_times(Event::GradientComputed, caster.gradients_computed());
-    (image, work)
-}
 
 /// The field of a scene along rays.
 pub struct ExactField<'s> {
@@ -62,7 +40,13 @@ impl<'s> ExactField<'s> {
         }
     }
 
-    fn pixel(&self, caster: &RayCaster<'_>, ray: &Ray, work: &mut Counters) -> ([f32; 4], RayWork) {
+    /// The pixel that `ray` is seen in, radiance and opacity, coloured by `caster`; and the work of the ray.
+    pub(super) fn pixel(
+        &self,
+        caster: &RayCaster<'_>,
+        ray: &Ray,
+        work: &mut Counters,
+    ) -> ([f32; 4], RayWork) {
         let mut of_ray = RayWork::default();
         let (segments, span) = self.segments(ray);
         work.count_times(Event::CellWalked, segments.len() as u64);
@@ -116,11 +100,8 @@ impl<'s> ExactField<'s> {
         }
         let (least, most) = self.range;
         let integral = || {
-            let mut sum = Sum::default();
-            segments
-                .iter()
-                .for_each(|segment| sum.add(segment.integral()));
-            sum.value()
+            let parts = segments.iter().map(CubicSegment::integral);
+            parts.collect::<Sum>().value()
         };
         let extremes = segments.iter().map(CubicSegment::extremes);
         Some(match projection.of {

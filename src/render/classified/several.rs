@@ -37,15 +37,10 @@ pub(in crate::render) fn cast(
             .layers(&scene.camera.ray(pixel, size), work)
             .pixel(scene.background)
     });
-    work.count_times(Event::GradientComputed, gradients_computed(scene));
+    let shaded = caster.parts.iter().filter(|it| it.gradients.is_some());
+    let nodes = shaded.map(|part| part.scene.grid.lattice().node_count() as u64);
+    work.count_times(Event::GradientComputed, nodes.sum());
     (image, work)
-}
-
-/// Gradients computed for the nodes of all volumes.
-pub(in crate::render) fn gradients_computed(scene: &Classified) -> u64 {
-    let shaded = scene.each_alone().filter(|alone| alone.phong.is_some());
-    let nodes = shaded.map(|alone| alone.grid.lattice().node_count() as u64);
-    nodes.sum()
 }
 
 /// A volume with what is made of it once.
@@ -61,6 +56,15 @@ pub(super) struct Part {
 pub(super) struct Caster<'s> {
     scene: Cow<'s, Classified>,
     parts: Vec<Part>,
+}
+
+/// What a ray passes: a piece of merged volumes, or a surface.
+pub(super) struct PassedLayer {
+    /// Distance of its middle from the eye.
+    pub t: f64,
+    /// Length along the ray; 0 for a surface.
+    pub length: f64,
+    pub opacity: f64,
 }
 
 /// A volume along a ray.
@@ -174,27 +178,21 @@ impl<'s> Caster<'s> {
             (_, Some(Fault::SurfacesInFront)) => 0.0,
             (Some((hit, _)), _) => hit.t,
         };
-        let mut cursors: Vec<Cursor<'_>> = self
-            .parts
-            .iter()
-            .filter_map(|part| Cursor::new(part, ray, end))
-            .collect();
-        match fault {
+        let mut cursors = self.cursors(ray, end);
+        let merged_at_once = match fault {
             Some(Fault::NearestBoxInFront) => {
                 cursors.sort_by(|a, b| a.span.near.total_cmp(&b.span.near));
+                1
             }
-            Some(Fault::LastInFront) => cursors.reverse(),
-            _ => {}
-        }
+            Some(Fault::LastInFront) => {
+                cursors.reverse();
+                1
+            }
+            _ => cursors.len().max(1),
+        };
         let mut layers = Layer::EMPTY;
-        match fault {
-            Some(Fault::NearestBoxInFront | Fault::LastInFront) => {
-                for cursor in &mut cursors {
-                    let of_one = self.merged(std::slice::from_mut(cursor), ray, work);
-                    layers = layers.over(of_one);
-                }
-            }
-            _ => layers = self.merged(&mut cursors, ray, work),
+        for cursors in cursors.chunks_mut(merged_at_once) {
+            layers = layers.over(self.merged(cursors, ray, work));
         }
         match hit {
             None => layers,
@@ -214,26 +212,32 @@ impl<'s> Caster<'s> {
         layers
     }
 
-    /// Middle, length and opacity of what `ray` passes: pieces of merged volumes, and the surface at its end.
-    pub fn passed(&self, ray: &Ray) -> Vec<(f64, f64, f64)> {
+    /// What `ray` passes: pieces of merged volumes, and the surface at its end.
+    pub fn passed(&self, ray: &Ray) -> Vec<PassedLayer> {
         let hit = self.scene.objects.nearest_surface(ray);
         let end = hit.as_ref().map_or(f64::INFINITY, |(hit, _)| hit.t);
-        let cursors = self
-            .parts
-            .iter()
-            .filter_map(|part| Cursor::new(part, ray, end));
-        let mut cursors: Vec<Cursor<'_>> = cursors.collect();
+        let mut cursors = self.cursors(ray, end);
         let mut passed = Vec::new();
-        self.pieces(
-            &mut cursors,
-            ray,
-            &mut Counters::default(),
-            |[near, far], _, opacity| {
-                passed.push((0.5 * (near + far), far - near, opacity));
-            },
-        );
-        passed.extend(hit.map(|(hit, _)| (hit.t, 0.0, 1.0)));
+        let work = &mut Counters::default();
+        self.pieces(&mut cursors, ray, work, |[near, far], _, opacity| {
+            passed.push(PassedLayer {
+                t: 0.5 * (near + far),
+                length: far - near,
+                opacity,
+            });
+        });
+        passed.extend(hit.map(|(hit, _)| PassedLayer {
+            t: hit.t,
+            length: 0.0,
+            opacity: 1.0,
+        }));
         passed
+    }
+
+    /// The volumes along `ray`, up to `end`.
+    fn cursors(&self, ray: &Ray, end: f64) -> Vec<Cursor<'_>> {
+        let cursor = |part| Cursor::new(part, ray, end);
+        self.parts.iter().filter_map(cursor).collect()
     }
 
     /// Calls `each` with the ends, the colour and the opacity of each piece along `ray` that is not transparent.

@@ -22,7 +22,7 @@ pub struct Decision {
 /// A reason, with the key of the scene behind it.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Reason {
-    /// In words.
+    /// The reason in words.
     pub reason: String,
     /// The key of the scene behind it, if any, such as `radiative.medium[0].g`.
     pub field: Option<String>,

@@ -14,7 +14,7 @@ pub enum Kernel<'s> {
     RayCaster {
         /// The model rendered.
         scene: &'s Classified,
-        /// What it meets.
+        /// Features that it meets.
         features: RayCasterFeatures,
     },
     /// The ray caster for conventions of other renderers, which leaves nothing out.
@@ -29,7 +29,7 @@ pub enum Kernel<'s> {
     LineOfSight {
         /// The model rendered.
         scene: &'s Radiative,
-        /// What it meets.
+        /// Features that it meets.
         features: RadiativeFeatures,
         /// Whether light is scattered, once.
         scatters: bool,
@@ -38,7 +38,7 @@ pub enum Kernel<'s> {
     PathTracer {
         /// The model rendered.
         scene: &'s Radiative,
-        /// What it meets.
+        /// Features that it meets.
         features: RadiativeFeatures,
         /// Highest scattering order, if there is a limit.
         max_order: Option<u32>,
@@ -50,9 +50,9 @@ pub enum Kernel<'s> {
 pub struct RayCasterFeatures {
     /// One density in the whole grid, which is not looked up.
     pub constant: bool,
-    /// Phong shading.
+    /// Samples are shaded by the model of Phong.
     pub shading: bool,
-    /// Volume shadow.
+    /// The volume throws a shadow onto itself.
     pub shadow: bool,
     /// Empty-space skipping: samples in transparent blocks are not taken.
     pub skip_empty: bool,
@@ -70,22 +70,22 @@ impl RayCasterFeatures {
     }
 }
 
-/// What the renderers of surfaces and participating media meet: what is not there, they do not look for.
+/// Features that the renderers of surfaces and media meet. They do not look for others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RadiativeFeatures {
-    /// Media.
+    /// There are media.
     pub media: bool,
     /// Vacuum media, without extinction and emission, are treated like others.
     pub vacuum_media: bool,
-    /// Surfaces.
+    /// There are surfaces.
     pub surfaces: bool,
-    /// Emission by media.
+    /// Media emit light.
     pub emission: bool,
-    /// Coefficients that differ between channels.
+    /// Coefficients of media differ between channels.
     pub chromatic: bool,
-    /// Anisotropic phase functions.
+    /// Phase functions are anisotropic.
     pub anisotropic: bool,
-    /// Heterogeneous media.
+    /// Densities vary in space.
     pub heterogeneous: bool,
 }
 

@@ -19,16 +19,28 @@ pub(super) fn plan<'s>(panel: &'s Panel, scene: &'s Classified, forced: &[Effect
         .into_iter()
         .any(|effect| decisions.is_on(effect));
     let (kernel, method, key, reason) = if !is_seen {
-        let kernel = Kernel::Background(scene);
-        (kernel, Method::Background, SURFACES, unseen(scene))
+        (
+            Kernel::Background(scene),
+            Method::Background,
+            SURFACES,
+            unseen(scene),
+        )
     } else if scene.is_exact() {
         let reason = "exact values are asked for, without samples".to_owned();
-        let kernel = Kernel::Field(scene);
-        (kernel, Method::ClosedForm, COMPOSITING, reason)
+        (
+            Kernel::Field(scene),
+            Method::ClosedForm,
+            COMPOSITING,
+            reason,
+        )
     } else {
         let reason = "the field is sampled one step apart".to_owned();
-        let kernel = Kernel::Field(scene);
-        (kernel, Method::RayCasting, "classified.step", reason)
+        (
+            Kernel::Field(scene),
+            Method::RayCasting,
+            "classified.step",
+            reason,
+        )
     };
     let why = Reason::of(key, reason, key_lines);
     Plan {

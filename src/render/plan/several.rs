@@ -18,26 +18,14 @@ pub(super) fn plan<'s>(panel: &'s Panel, scene: &'s Classified, forced: &[Effect
     let decisions = Decisions::new(|effect| finding(scene, effect), forced, key_lines);
     let objects = scene.counted_objects();
     let (kernel, method, reason) = if scene.continuous {
-        let kernel = Kernel::Integral(scene);
-        (
-            kernel,
-            Method::Quadrature,
-            "are integrated along each ray, without samples",
-        )
+        let reason = "are integrated along each ray, without samples";
+        (Kernel::Integral(scene), Method::Quadrature, reason)
     } else if scene.is_merged() {
-        let kernel = Kernel::Several(scene);
-        (
-            kernel,
-            Method::RayCasting,
-            "are merged along each ray, their samples each one step apart",
-        )
+        let reason = "are merged along each ray, their samples each one step apart";
+        (Kernel::Several(scene), Method::RayCasting, reason)
     } else {
-        let kernel = Kernel::Conventional(scene);
-        (
-            kernel,
-            Method::RayCasting,
-            "are composited along each ray by other conventions",
-        )
+        let reason = "are composited along each ray by other conventions";
+        (Kernel::Conventional(scene), Method::RayCasting, reason)
     };
     let why = Reason::of(VOLUME, format!("{objects} {reason}"), key_lines);
     Plan {

@@ -53,7 +53,7 @@ pub enum PreviousBounce {
 pub struct PreviousCollision {
     /// Density of the direction, per steradian.
     pub pdf: f64,
-    /// The ray before.
+    /// The ray that ended at it.
     pub ray: Ray,
     /// Distance of the collision on it.
     pub t: f64,

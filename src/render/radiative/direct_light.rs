@@ -57,8 +57,8 @@ impl DirectLight<'_> {
     }
 
     /// Radiance scattered at `vertex` of the light of one point of an area light, the point for
-    /// `numbers`, times `weight`: a function of two densities per steradian at the vertex, that of
-    /// the point and that of the direction, [`Response::pdf`](super::scattering_function::Response::pdf).
+    /// `numbers`, times `weight`: a function of two densities per steradian at the vertex, of the point
+    /// and of the direction ([`Response::pdf`](super::scattering_function::Response::pdf)).
     pub fn weighted_area_light(
         self,
         vertex: &Vertex,

@@ -166,7 +166,7 @@ impl Emission<'_> {
                 let emission = media.emission(segment.set, ray.at(t), work);
                 emission * Transmittance(self.0).closed(depth, work)
             };
-            // Of a deep piece only the beginning is seen: halves of halves of it, down to an optical
+            // Only the beginning of a deep piece is seen: it is halved again and again, down to an optical
             // depth of 1.
             let deepest = whole.max_element();
             let mut halvings = 0;

@@ -1,8 +1,8 @@
 //! Free flight: distances to the next collision.
 
 use super::context::PathContext;
-use super::media::{Media, Set};
-use super::medium::over;
+use super::media::Set;
+use super::medium::{over, quotient};
 use super::ray_majorants::RayMajorants;
 use super::sampler::NumberRow;
 use super::scene_context::SceneContext;
@@ -10,7 +10,7 @@ use super::segments::MediumSegment;
 use super::tracker::Tracker;
 use super::tracking::{RealCollision, Tentative, TentativeNumbers, delta_tracking};
 use super::transmittance::Transmittance;
-use crate::geometry::Ray;
+use crate::geometry::{Ray, Span};
 use crate::math::rng::Purpose;
 use crate::optics::{self, optical_depth, sampled_channel};
 use crate::render::counters::Event;
@@ -87,58 +87,47 @@ impl FreeFlight<'_> {
         for segment in segments.all() {
             // A rest below 0 is a rounding.
             let rest = (goal - passed.depth[channel]).max(0.0);
-            if self.0.features.heterogeneous && self.has_heterogeneous_scatterer(segment.set) {
+            let Span { near, far } = segment.span;
+            let (properties, length) = (segment.properties, far - near);
+            let collision = if self.has_heterogeneous_scatterer(segment.set) {
                 next.optical_distance = rest;
-                let survived = &mut passed.survived;
-                match track(
-                    &self.0.media,
-                    ray,
-                    segment,
-                    channel,
-                    next,
-                    survived,
-                    tracker,
-                ) {
-                    ControlFlow::Break((RealCollision { t, extinction }, sigma_s)) => {
-                        let into = t - segment.span.near;
-                        let absorbing = passed.absorbing + segment.properties.absorbing * into;
-                        let transmittance = Transmittance(self.0)
-                            .of_absorbing(segments, ray, t, absorbing, tracker);
-                        let weight = self.collision_weight(&passed, *throughput, extinction);
-                        return Flight::Collided(Collision {
-                            t,
-                            weight: weight * transmittance * quotient(sigma_s, extinction),
-                            set: segment.set,
-                        });
-                    }
+                match self.track(ray, segment, channel, next, &mut passed.survived, tracker) {
+                    ControlFlow::Break((real, sigma_s)) => Some((real.t - near, real, sigma_s)),
                     ControlFlow::Continue(left) => {
                         next = left;
                         goal = passed.depth[channel] + left.optical_distance;
+                        None
                     }
                 }
-                let length = segment.span.length();
-                passed.absorbing += over(segment.properties.absorbing, length);
+            } else {
+                let extinction = properties.sigma_t;
+                let collides = rest < optical_depth(extinction[channel], length);
+                let into = if collides {
+                    rest / extinction[channel]
+                } else {
+                    length
+                };
+                passed.depth += over(extinction, into);
+                let t = (near + into).min(far);
+                collides.then_some((into, RealCollision { t, extinction }, properties.sigma_s))
+            };
+            let Some((into, RealCollision { t, extinction }, sigma_s)) = collision else {
+                passed.absorbing += over(properties.absorbing, length);
                 continue;
-            }
-            let properties = segment.properties;
-            let sigma_t = properties.sigma_t;
-            let length = segment.span.length();
-            if rest < optical_depth(sigma_t[channel], length) {
-                let into = rest / sigma_t[channel];
-                let t = (segment.span.near + into).min(segment.span.far);
-                let absorbing = passed.absorbing + properties.absorbing * into;
-                let transmittance =
-                    Transmittance(self.0).of_absorbing(segments, ray, t, absorbing, tracker);
-                passed.depth += over(sigma_t, into);
-                let weight = self.collision_weight(&passed, *throughput, sigma_t);
-                return Flight::Collided(Collision {
-                    t,
-                    weight: weight * transmittance * quotient(properties.sigma_s, sigma_t),
-                    set: segment.set,
-                });
-            }
-            passed.depth += over(sigma_t, length);
-            passed.absorbing += over(properties.absorbing, length);
+            };
+            let absorbing = passed.absorbing + properties.absorbing * into;
+            let transmittance =
+                Transmittance(self.0).of_absorbing(segments, ray, t, absorbing, tracker);
+            let weight = if self.0.features.chromatic {
+                optics::collision_weight(*throughput, extinction, passed.depth, passed.survived)
+            } else {
+                DVec3::ONE
+            };
+            return Flight::Collided(Collision {
+                t,
+                weight: weight * transmittance * quotient(sigma_s, extinction),
+                set: segment.set,
+            });
         }
         let weight = if self.0.features.chromatic {
             optics::escape_weight(*throughput, passed.depth, passed.survived)
@@ -151,59 +140,34 @@ impl FreeFlight<'_> {
         Flight::Escaped(weight * transmittance)
     }
 
-    /// Weight, by channel, of a collision where the extinction is `sigma_t`, without the albedo.
-    fn collision_weight(self, passed: &Passed, throughput: DVec3, sigma_t: DVec3) -> DVec3 {
-        if self.0.features.chromatic {
-            optics::collision_weight(throughput, sigma_t, passed.depth, passed.survived)
-        } else {
-            DVec3::ONE
-        }
-    }
-
     fn has_heterogeneous_scatterer(self, set: Set) -> bool {
         let heterogeneous = self.0.media.heterogeneous(set);
-        heterogeneous != 0 && self.0.media.scattering(heterogeneous) != 0
+        self.0.features.heterogeneous && self.0.media.scattering(heterogeneous) != 0
     }
-}
 
-/// Delta tracking over a segment with heterogeneous media: the collision with its scattering
-/// coefficient, or the rest of the optical distance.
-fn track(
-    media: &Media<'_>,
-    ray: &Ray,
-    segment: &MediumSegment,
-    channel: usize,
-    first: Tentative,
-    survived: &mut DVec3,
-    tracker: &mut Tracker<'_>,
-) -> ControlFlow<(RealCollision, DVec3), Tentative> {
-    let scratch = &mut *tracker.scratch;
-    let set = media.scattering(segment.set);
-    let mut majorants =
-        RayMajorants::new(media, set, ray, segment.span, &mut scratch.heterogeneous);
-    let effort = &mut scratch.effort;
-    let before = effort.lookups;
-    let end = delta_tracking(
-        &mut majorants,
-        channel,
-        first,
-        &mut tracker.sampler.tentative(NumberRow::FreeFlight),
-        survived,
-        effort,
-    );
-    let real = u64::from(end.is_break());
-    let work = &mut *tracker.work;
-    work.count_times(Event::NullCollision, effort.lookups - before - real);
-    majorants.count_work(work);
-    match end {
-        ControlFlow::Break(collision) => ControlFlow::Break((collision, majorants.sigma_s())),
-        ControlFlow::Continue(left) => ControlFlow::Continue(left),
+    /// Delta tracking over a segment with heterogeneous media: the collision with its scattering
+    /// coefficient, or the rest of the optical distance.
+    fn track(
+        self,
+        ray: &Ray,
+        segment: &MediumSegment,
+        channel: usize,
+        first: Tentative,
+        survived: &mut DVec3,
+        tracker: &mut Tracker<'_>,
+    ) -> ControlFlow<(RealCollision, DVec3), Tentative> {
+        let (media, scratch) = (&self.0.media, &mut *tracker.scratch);
+        let set = media.scattering(segment.set);
+        let mut majorants =
+            RayMajorants::new(media, set, ray, segment.span, &mut scratch.heterogeneous);
+        let effort = &mut scratch.effort;
+        let before = effort.lookups;
+        let numbers = &mut tracker.sampler.tentative(NumberRow::FreeFlight);
+        let end = delta_tracking(&mut majorants, channel, first, numbers, survived, effort);
+        let real = u64::from(end.is_break());
+        let nulls = effort.lookups - before - real;
+        tracker.work.count_times(Event::NullCollision, nulls);
+        majorants.count_work(tracker.work);
+        end.map_break(|collision| (collision, majorants.sigma_s()))
     }
-}
-
-/// `a/b` by channel, 0 where both are 0.
-fn quotient(a: DVec3, b: DVec3) -> DVec3 {
-    DVec3::from_array(std::array::from_fn(|c| {
-        if a[c] == 0.0 { 0.0 } else { a[c] / b[c] }
-    }))
 }

@@ -28,7 +28,7 @@ pub(in crate::render) fn integrate(
         tolerance: TOLERANCE,
     };
     let size = [pixels.width, pixels.height];
-    rows(pixels, Scratch::default, |pixel, _, scratch, work| {
+    rows(pixels, Scratch::default, |pixel, scratch, work| {
         let ray = scene.camera.ray(pixel, size);
         let radiance = renderer.radiance(&ray, scratch, work);
         finite(radiance).map(|radiance| radiance.as_vec3().to_array())
@@ -46,37 +46,36 @@ pub(in crate::render) fn trace(
 ) -> (Vec<Result<[Moments; 3], PathFault>>, Counters) {
     let tracer = PathTracer::new(scene, max_order, features);
     let size = [pixels.width, pixels.height];
-    let edge = pixels.edge();
-    let given_up = GivenUp::default();
-    rows(
-        pixels,
-        Scratch::default,
-        |[column, row], samples, scratch, work| {
-            let index = (row * size[0] + column) as u32;
-            if given_up.is_before(index) {
-                return Err(PathFault::Endless);
+    let edge = pixels.detail.edge();
+    // The first pixel, in the order of the image, that has a path without an end. Each such path takes seconds, and
+    // one of them makes the image worthless: those after it need not be traced. All before it are, so on any number
+    // of threads the same one is found.
+    let first_endless = AtomicU32::new(u32::MAX);
+    rows(pixels, Scratch::default, |[column, row], scratch, work| {
+        let index = (row * size[0] + column) as u32;
+        if first_endless.load(Ordering::Relaxed) < index {
+            return Err(PathFault::Endless);
+        }
+        let mut moments = [Moments::default(); 3];
+        for sample in 0..pixels.samples {
+            let mut sampler = Sampler::new(Stream::new(seed, index, sample));
+            let [x, y] = sampler.pair(Purpose::Camera, 0);
+            let place = [column as f64 + edge * x, row as f64 + edge * y];
+            let ray = scene.camera.ray_through(place, size);
+            let radiance = tracer.radiance(ray, sampler, scratch, work);
+            if radiance == Err(PathFault::Endless) {
+                first_endless.fetch_min(index, Ordering::Relaxed);
             }
-            let mut moments = [Moments::default(); 3];
-            for sample in 0..samples {
-                let mut sampler = Sampler::new(Stream::new(seed, index, sample));
-                let [x, y] = sampler.pair(Purpose::Camera, 0);
-                let place = [column as f64 + edge * x, row as f64 + edge * y];
-                let ray = scene.camera.ray_through(place, size);
-                let radiance = tracer.radiance(ray, sampler, scratch, work);
-                if radiance == Err(PathFault::Endless) {
-                    given_up.at(index);
-                }
-                let radiance = finite(radiance?)?;
-                for (moments, channel) in moments.iter_mut().zip(radiance.to_array()) {
-                    moments.add(channel);
-                }
-                if (sample + 1) % SAMPLES_A_STEP == 0 {
-                    pixels.progress.step();
-                }
+            let radiance = finite(radiance?)?;
+            for (moments, channel) in moments.iter_mut().zip(radiance.to_array()) {
+                moments.add(channel);
             }
-            Ok(moments)
-        },
-    )
+            if (sample + 1) % SAMPLES_A_STEP == 0 {
+                pixels.progress.step();
+            }
+        }
+        Ok(moments)
+    })
 }
 
 /// A radiance that overflows has no mean: together with others it would become NaN.
@@ -88,42 +87,9 @@ fn finite(radiance: DVec3) -> Result<DVec3, PathFault> {
     }
 }
 
-/// The first pixel, in the order of the image, that has a path without an end. Each such path
-/// takes seconds, and one of them makes the image worthless: those after it need not be traced.
-/// All before it are, so on any number of threads the same one is found.
-#[derive(Debug)]
-struct GivenUp(AtomicU32);
-
-impl Default for GivenUp {
-    fn default() -> GivenUp {
-        GivenUp(AtomicU32::new(u32::MAX))
-    }
-}
-
-impl GivenUp {
-    fn at(&self, index: u32) {
-        self.0.fetch_min(index, Ordering::Relaxed);
-    }
-
-    fn is_before(&self, index: u32) -> bool {
-        self.0.load(Ordering::Relaxed) < index
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn the_first_pixel_without_an_end_is_found_in_any_order() {
-        let given_up = GivenUp::default();
-        assert!(!given_up.is_before(u32::MAX));
-        given_up.at(7);
-        given_up.at(9);
-        assert!(given_up.is_before(8) && !given_up.is_before(7));
-        given_up.at(3);
-        assert!(given_up.is_before(4) && !given_up.is_before(3));
-    }
 
     #[test]
     fn light_without_bound_is_no_radiance() {

@@ -10,7 +10,6 @@ use super::scene_context::SceneContext;
 use super::segments::{MediumSegment, MediumSegments};
 use super::shadow_edges::{LightSource, shadow_edges};
 use super::single_scattering::{ScatteringPoint, SingleScattering, edges, lit_span};
-use super::specular::facing;
 use super::surfaces::SurfaceIndex;
 use super::tracker::Tracker;
 use super::transmittance::Transmittance;
@@ -91,12 +90,7 @@ impl LineOfSight<'_> {
             }
             SurfaceIndex::Object(index) => match radiative.objects[index].material {
                 Material::Diffuse(reflectance) if self.scattering => {
-                    let vertex = Vertex::Diffuse {
-                        point: nearest.hit.point,
-                        normal: facing(&nearest.hit),
-                        reflectance,
-                    };
-                    self.reflected(&vertex, tracker)
+                    self.reflected(&Vertex::on_surface(&nearest.hit, reflectance), tracker)
                 }
                 _ => DVec3::ZERO,
             },
@@ -129,10 +123,7 @@ impl LineOfSight<'_> {
         let mut radiance = DVec3::ZERO;
         let scattering = |segment: &&MediumSegment| segment.properties.scatters();
         for segment in segments.all().iter().filter(scattering) {
-            let span = Span::new(
-                segment.span.near.max(lit.near),
-                segment.span.far.min(lit.far),
-            );
+            let span = segment.span.within(lit);
             let mut at = |t: f64| {
                 let (depths, _) = segments.depths_to(t);
                 let point = ScatteringPoint::new(t, 1.0, depths, segment);
@@ -187,7 +178,7 @@ impl LineOfSight<'_> {
     }
 
     fn integral(&self, mut f: impl FnMut(f64) -> DVec3, [from, to]: [f64; 2]) -> DVec3 {
-        let pieces = match self.scene.media.count() {
+        let pieces = match self.scene.media.all().len() {
             0 | 1 => 1,
             _ => PIECES_WITH_SHADOWS,
         };

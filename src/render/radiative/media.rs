@@ -12,16 +12,15 @@ use glam::DVec3;
 pub struct Media<'s> {
     media: Vec<Medium<'s>>,
     heterogeneous: Set,
-    scattering: ScatteringExtent,
+    /// A box around those that scatter.
+    scattering: Option<Aabb>,
 }
 
-/// Extent of the scattering media of a scene.
-#[derive(Debug)]
-enum ScatteringExtent {
-    Nowhere,
-    Within(Aabb),
-    Everywhere,
-}
+/// The box around all space.
+const EVERYWHERE: Aabb = Aabb {
+    min: DVec3::NEG_INFINITY,
+    max: DVec3::INFINITY,
+};
 
 /// A set of media: a bit for each.
 pub type Set = u64;
@@ -47,7 +46,7 @@ impl<'s> Media<'s> {
         })
     }
 
-    /// The same for integrals along lines, which sample no points: no majorants are made.
+    /// The media of `bodies` for integrals along lines, which need no majorants.
     pub fn for_integrals(bodies: &'s [Body], vacuum: bool) -> Media<'s> {
         Media::with(bodies, vacuum, |_, _| MediumProperties::default())
     }
@@ -66,7 +65,6 @@ impl<'s> Media<'s> {
                 None => (MediumProperties::of(&body.medium), body.density.as_ref()),
             };
             Medium {
-                index: 0,
                 boundary: body.boundary.as_ref(),
                 unit,
                 density,
@@ -77,23 +75,15 @@ impl<'s> Media<'s> {
         let mut media: Vec<_> = bodies.iter().map(medium).collect();
         media.retain(|medium| vacuum || !medium.is_vacuum());
         let mut heterogeneous = 0;
-        let mut scattering = ScatteringExtent::Nowhere;
-        for (index, medium) in media.iter_mut().enumerate() {
-            medium.index = index;
+        let mut scattering = None;
+        for (index, medium) in media.iter().enumerate() {
             if medium.density.is_some() {
                 heterogeneous |= 1 << index;
             }
-            if !medium.on_segment.scatters() {
-                continue;
+            if medium.on_segment.scatters() {
+                let bounds = medium.boundary.map_or(EVERYWHERE, Surface::bounds);
+                scattering = Some(scattering.map_or(bounds, |others: Aabb| others.union(bounds)));
             }
-            let bounds = medium.boundary.map(Surface::bounds);
-            scattering = match (scattering, bounds) {
-                (ScatteringExtent::Nowhere, Some(bounds)) => ScatteringExtent::Within(bounds),
-                (ScatteringExtent::Within(others), Some(bounds)) => {
-                    ScatteringExtent::Within(others.union(bounds))
-                }
-                (ScatteringExtent::Everywhere, _) | (_, None) => ScatteringExtent::Everywhere,
-            };
         }
         Media {
             media,
@@ -102,17 +92,12 @@ impl<'s> Media<'s> {
         }
     }
 
-    /// Number of media.
-    pub fn count(&self) -> usize {
-        self.media.len()
-    }
-
-    /// All of them, in order.
+    /// All media, by index.
     pub fn all(&self) -> &[Medium<'s>] {
         &self.media
     }
 
-    /// One of them.
+    /// The medium with this index.
     pub fn medium(&self, index: usize) -> &Medium<'s> {
         &self.media[index]
     }
@@ -126,11 +111,6 @@ impl<'s> Media<'s> {
         properties
     }
 
-    /// Any of them is heterogeneous.
-    pub(crate) fn has_heterogeneous(&self) -> bool {
-        self.heterogeneous != 0
-    }
-
     /// Heterogeneous media of `set`.
     pub fn heterogeneous(&self, set: Set) -> Set {
         set & self.heterogeneous
@@ -142,20 +122,15 @@ impl<'s> Media<'s> {
         members(set).filter(scatters).map(|index| 1 << index).sum()
     }
 
-    /// Any of them scatters.
+    /// Whether any medium scatters.
     pub fn scatter(&self) -> bool {
-        !matches!(self.scattering, ScatteringExtent::Nowhere)
+        self.scattering.is_some()
     }
 
     /// A segment of `ray` that holds all points where light is scattered, if there are any.
     pub(crate) fn scattering_span(&self, ray: &Ray) -> Option<Span> {
-        match &self.scattering {
-            ScatteringExtent::Nowhere => None,
-            ScatteringExtent::Within(bounds) => {
-                bounds.span(ray).filter(|span| span.near < span.far)
-            }
-            ScatteringExtent::Everywhere => Some(Span::new(0.0, f64::INFINITY)),
-        }
+        let span = self.scattering?.span(ray)?;
+        (span.near < span.far).then_some(span)
     }
 
     /// Scattering coefficient, by channel, of the media in `set` at the world point `point`,
@@ -225,8 +200,8 @@ impl<'s> Media<'s> {
     }
 }
 
-/// The densities in `bodies` through which light may be tracked: of media that scatter, of those
-/// without an integral, and, where any medium emits, of all.
+/// The densities in `bodies` through which light may be tracked: all where any medium emits, else those
+/// without an integral and those of media that scatter.
 pub(in crate::render) fn tracked(bodies: &[Body]) -> impl Iterator<Item = &Density> {
     let emissive = bodies
         .iter()

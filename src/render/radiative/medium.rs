@@ -1,6 +1,5 @@
 //! One medium of a scene: its properties at a point, its majorants along a ray, its phase function.
 
-use super::majorants::HeterogeneousSegment;
 use crate::geometry::{Boundary, Ray, Span};
 use crate::optics::{Density, Homogeneous, Phase, optical_depth};
 use crate::render::counters::{Counters, Event};
@@ -14,7 +13,7 @@ use glam::DVec3;
 pub struct MediumProperties {
     /// Extinction of the media that scatter.
     pub sigma_t: DVec3,
-    /// Scattering.
+    /// Scattering coefficient.
     pub sigma_s: DVec3,
     /// Extinction of the media that only absorb.
     pub absorbing: DVec3,
@@ -44,12 +43,12 @@ impl MediumProperties {
         self.emission += other.emission;
     }
 
-    /// All extinction.
+    /// Extinction of all media.
     pub fn extinction(&self) -> DVec3 {
         self.sigma_t + self.absorbing
     }
 
-    /// Any scattering at all.
+    /// Whether any light is scattered.
     pub fn scatters(&self) -> bool {
         self.sigma_s != DVec3::ZERO
     }
@@ -58,18 +57,16 @@ impl MediumProperties {
 /// A medium of a scene.
 #[derive(Debug)]
 pub struct Medium<'s> {
-    /// Its index among those of the scene.
-    pub index: usize,
     /// The closed shape it fills; all space without one.
     pub boundary: Option<&'s Boundary>,
     /// Its properties at density 1.
     pub unit: MediumProperties,
     /// Its density; `None` for a homogeneous medium.
     pub density: Option<&'s Density>,
-    /// Its properties on a segment; of a heterogeneous medium, those of a homogeneous one that
-    /// points on a ray are sampled by.
+    /// Its properties on a segment. A heterogeneous medium has those of a homogeneous one, by which
+    /// points on a ray are sampled.
     pub on_segment: MediumProperties,
-    /// Its phase function.
+    /// The phase function of its scattering.
     pub phase: Phase,
 }
 
@@ -79,7 +76,7 @@ impl Medium<'_> {
         self.unit.extinction()
     }
 
-    /// Changes no light: all its properties are 0.
+    /// Whether it changes no light: all its properties are 0, or its density is.
     pub(crate) fn is_vacuum(&self) -> bool {
         self.unit == MediumProperties::default() || self.density.is_some_and(Density::is_nothing)
     }
@@ -92,13 +89,7 @@ impl Medium<'_> {
         }
     }
 
-    /// Majorants along `ray` over `span`, which lies in its boundary, block by block; `None` for a
-    /// homogeneous medium, and where the density is 0 all along.
-    pub fn majorants(&self, ray: &Ray, span: Span) -> Option<HeterogeneousSegment> {
-        HeterogeneousSegment::new(self.index, self.density?, ray, span)
-    }
-
-    /// Its density has an integral along lines.
+    /// Whether its density has an integral along lines.
     pub(crate) fn is_integrable(&self) -> bool {
         self.density.is_none_or(Density::is_integrable)
     }
@@ -120,6 +111,13 @@ impl Medium<'_> {
         work.count_times(Event::DensityLookup, lookups);
         integral
     }
+}
+
+/// `a/b` by channel; 0 where `b` is 0.
+pub(in crate::render) fn quotient(a: DVec3, b: DVec3) -> DVec3 {
+    DVec3::from_array(std::array::from_fn(|c| {
+        if b[c] == 0.0 { 0.0 } else { a[c] / b[c] }
+    }))
 }
 
 /// `σ·t` by channel; 0 of a coefficient of 0 over any length.

@@ -43,12 +43,12 @@ impl<'s> Occluders<'s> {
         occluders
     }
 
-    /// Their number.
+    /// Number of surfaces.
     pub fn count(&self) -> u64 {
         (self.objects.len() + self.area_lights.len()) as u64
     }
 
-    /// One of them stands between the origin of `ray` and the distance `limit`.
+    /// Whether one of them stands between the origin of `ray` and the distance `limit`.
     pub fn block(&self, ray: &Ray, limit: f64) -> bool {
         self.objects.iter().any(|it| it.blocks(ray, limit))
             || self.area_lights.iter().any(|it| it.blocks(ray, limit))

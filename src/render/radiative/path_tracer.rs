@@ -23,7 +23,7 @@ use super::sampler::Sampler;
 use super::scattering_function::ScatteringFunction;
 use super::scene_context::{PositionedLight, SceneContext};
 use super::single_scattering::{ScatteringPointSampler, SingleScattering};
-use super::specular::{facing, specular_bounce};
+use super::specular::specular_bounce;
 use super::surfaces::{Intersection, SurfaceIndex};
 use super::transmittance::Transmittance;
 use super::variance_reduction::area_light_scattering::AreaLightScattering;
@@ -43,7 +43,7 @@ use glam::DVec3;
 /// Path tracing of a scene.
 pub struct PathTracer<'s> {
     scene: SceneContext<'s>,
-    /// Bounces at most.
+    /// Largest number of bounces.
     limit: u32,
 }
 
@@ -103,7 +103,7 @@ impl<'s> PathTracer<'s> {
         let given = tracker.sampler.given();
         tracker.work.count_times(Event::RandomDraw, given);
         let radiance = radiance?;
-        match tracker.scratch.take_violations() {
+        match std::mem::take(&mut tracker.scratch.effort.violations) {
             0 => Ok(radiance),
             _ => Err(PathFault::Majorant),
         }
@@ -365,12 +365,7 @@ impl<'s> PathTracer<'s> {
     fn surface(&self, index: usize, hit: Hit) -> Interaction {
         match self.scene.radiative.objects[index].material {
             Material::Diffuse(reflectance) => {
-                let vertex = Vertex::Diffuse {
-                    point: hit.point,
-                    normal: facing(&hit),
-                    reflectance,
-                };
-                Interaction::Scattering(vertex, None)
+                Interaction::Scattering(Vertex::on_surface(&hit, reflectance), None)
             }
             Material::Mirror(_) | Material::Glass(_) => Interaction::Specular(index, hit),
         }

@@ -36,8 +36,8 @@ impl<'m, 's> RayMajorants<'m, 's> {
         let [mut sigma_t, mut sigma_s, mut emission] = [DVec3::ZERO; 3];
         for index in members(set) {
             let medium = media.medium(index);
-            if medium.density.is_some() {
-                heterogeneous.extend(medium.majorants(ray, span));
+            if let Some(density) = medium.density {
+                heterogeneous.extend(HeterogeneousSegment::new(index, density, ray, span));
             } else {
                 sigma_t += medium.sigma_t();
                 sigma_s += medium.unit.sigma_s;

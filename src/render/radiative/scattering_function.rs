@@ -2,7 +2,7 @@
 //! surfaces.
 
 use super::media::{Set, members};
-use super::medium::Medium;
+use super::medium::{Medium, quotient};
 use super::sampler::Sampler;
 use super::scene_context::SceneContext;
 use super::tracker::Tracker;
@@ -209,7 +209,7 @@ impl<'s> ScatteringFunction<'s> {
             };
         }
         Response {
-            value: share(weighted, all),
+            value: quotient(weighted, all),
             pdf: (weighted.x + weighted.y + weighted.z) / (all.x + all.y + all.z),
         }
     }
@@ -234,7 +234,7 @@ impl<'s> ScatteringFunction<'s> {
             .next()
             .expect("a collision is in a medium that scatters");
         let all = scatterers.fold(first, |sum, (sigma_s, _)| sum + sigma_s);
-        let carried = |sigma_s: DVec3| throughput.dot(share(sigma_s, all));
+        let carried = |sigma_s: DVec3| throughput.dot(quotient(sigma_s, all));
         if all == DVec3::ZERO || carried(all) == 0.0 {
             // The point of the collision is rounded: it may lie where the scattering is of a colour
             // that the path does not carry.
@@ -254,7 +254,7 @@ impl<'s> ScatteringFunction<'s> {
             left -= carried;
         }
         work.count_times(Event::DensityLookup, lookups.get());
-        let weight = share(sigma_s, all) * (carried(all) / carried(sigma_s));
+        let weight = quotient(sigma_s, all) * (carried(all) / carried(sigma_s));
         (chosen, weight)
     }
 
@@ -298,11 +298,4 @@ impl<'s> ScatteringFunction<'s> {
             medium.unit.scatters() && !medium.density.is_some_and(Density::is_nothing)
         })
     }
-}
-
-/// `a/b` by channel; 0 where nothing scatters.
-fn share(a: DVec3, b: DVec3) -> DVec3 {
-    DVec3::from_array(std::array::from_fn(|c| {
-        if b[c] == 0.0 { 0.0 } else { a[c] / b[c] }
-    }))
 }

@@ -1,13 +1,13 @@
 //! A scene prepared for rendering.
 
-use super::media::Media;
+use super::media::{Media, Set};
 use super::surfaces::{Intersection, Surfaces};
 use super::variance_reduction::guiding::Guiding;
 use super::variance_reduction::light_vertex_shares::LightVertexShares;
 use super::variance_reduction::specular_objects::SpecularObject;
 use crate::geometry::{Emitter, EmitterExtent, Ray};
 use crate::optics::Light;
-use crate::render::counters::{Counters, Event};
+use crate::render::counters::Counters;
 use crate::render::plan::RadiativeFeatures;
 use crate::scene::Radiative;
 use glam::DVec3;
@@ -15,11 +15,11 @@ use glam::DVec3;
 /// A scene and its media.
 #[derive(Debug)]
 pub struct SceneContext<'s> {
-    /// The scene.
+    /// The scene as it was read.
     pub radiative: &'s Radiative,
-    /// Its media.
+    /// Its media, prepared for tracking or for integrals.
     pub media: Media<'s>,
-    /// Its surfaces.
+    /// Its surfaces, objects and area lights.
     pub surfaces: Surfaces<'s>,
     /// Centres and sizes of its area lights, in their order.
     pub area_light_extents: Vec<EmitterExtent>,
@@ -29,7 +29,7 @@ pub struct SceneContext<'s> {
     pub light_vertex_shares: LightVertexShares,
     /// Its lights, as far as paths are guided by them.
     pub guiding: Guiding,
-    /// What the scene calls for.
+    /// The features that the scene calls for: others are not looked for.
     pub features: RadiativeFeatures,
 }
 
@@ -78,24 +78,15 @@ impl<'s> SceneContext<'s> {
 
     /// Whether any medium is heterogeneous.
     pub(crate) fn is_heterogeneous(&self) -> bool {
-        self.features.heterogeneous && self.media.has_heterogeneous()
+        self.features.heterogeneous && self.media.heterogeneous(Set::MAX) != 0
     }
 
-    /// The nearest surface on `ray`, of several at the same distance the first of the scene.
+    /// The nearest surface on `ray`; among several at the same distance, the first of the scene.
     pub(crate) fn intersect(&self, ray: &Ray, work: &mut Counters) -> Option<Intersection> {
-        if !self.features.surfaces {
-            return None;
+        match self.features.surfaces {
+            true => self.surfaces.nearest(ray, work),
+            false => None,
         }
-        work.count_times(Event::SurfaceTest, self.surfaces.count());
-        self.surfaces.nearest(ray)
-    }
-
-    /// No surface stands between the origin of `ray`, a vertex or a light, and another of them at the
-    /// distance `limit`; if that is infinite, anywhere on `ray`.
-    pub(crate) fn is_unoccluded(&self, ray: &Ray, limit: f64, work: &mut Counters) -> bool {
-        let occluders = self.surfaces.occluders(limit);
-        work.count_times(Event::SurfaceTest, occluders.count());
-        !self.surfaces.block(ray, limit)
     }
 
     /// The lights at a point.

@@ -20,7 +20,7 @@ use glam::DVec3;
 pub struct MediumSegment {
     /// Distances from the origin of the ray.
     pub span: Span,
-    /// Properties of the media there; of heterogeneous ones those by which points are sampled.
+    /// Properties of the media there, as [`Medium::on_segment`](super::medium::Medium::on_segment).
     pub properties: MediumProperties,
     /// The media there.
     pub set: Set,
@@ -75,14 +75,8 @@ impl MediumSegments {
             for span in &self.spans {
                 let far = span.far.min(end);
                 if span.near < far {
-                    self.edges.push(MediumEdge {
-                        t: span.near,
-                        medium: index,
-                    });
-                    self.edges.push(MediumEdge {
-                        t: far,
-                        medium: index,
-                    });
+                    let edge = |t| MediumEdge { t, medium: index };
+                    self.edges.extend([span.near, far].map(edge));
                 }
             }
         }

@@ -8,7 +8,7 @@
 //! circle. The lines from the light through the corners of the one, and along the tangents of the
 //! other, meet the ray at the edges.
 
-use crate::geometry::{Aabb, Boundary, Direction, Placed, Ray, Sphere, Surface, Transform};
+use crate::geometry::{Aabb, Boundary, Direction, Placed, Ray, Sphere, Surface};
 use glam::{DVec2, DVec3};
 
 /// The direction or position of a light without extent.
@@ -40,7 +40,7 @@ enum PlaneSource {
 /// Distances along `ray` at which the shadow of `boundary` in the light of `source` may begin, end or
 /// have a kink, in no order. A mesh has those of the box around it.
 pub fn shadow_edges(boundary: &Boundary, ray: &Ray, source: LightSource) -> Vec<f64> {
-    match boundary {
+    let edges = match boundary {
         Boundary::Sphere(sphere) => of_sphere(sphere, ray, source),
         Boundary::Box(bounds) => of_box(bounds, ray, source),
         Boundary::Mesh(mesh) => of_box(&mesh.bounds(), ray, source),
@@ -49,7 +49,8 @@ pub fn shadow_edges(boundary: &Boundary, ray: &Ray, source: LightSource) -> Vec<
         Boundary::PlacedMesh(placed) => placed_edges(placed, ray, source, |mesh, ray, source| {
             of_box(&mesh.bounds(), ray, source)
         }),
-    }
+    };
+    edges.unwrap_or_default()
 }
 
 /// The edges of a placed shape, found in its own space: straight lines stay straight.
@@ -57,54 +58,40 @@ fn placed_edges<S: Surface>(
     placed: &Placed<S>,
     ray: &Ray,
     source: LightSource,
-    edges: impl Fn(&S, &Ray, LightSource) -> Vec<f64>,
-) -> Vec<f64> {
-    let to_world: &Transform = placed.to_world();
-    let Some((object_ray, scale)) = to_world.ray_to_object(ray) else {
-        return vec![];
-    };
+    edges: impl Fn(&S, &Ray, LightSource) -> Option<Vec<f64>>,
+) -> Option<Vec<f64>> {
+    let to_object = placed.to_world().inverse();
+    let (object_ray, scale) = placed.to_world().ray_to_object(ray)?;
     let source = match source {
-        LightSource::At(position) => LightSource::At(to_world.inverse().point(position)),
+        LightSource::At(position) => LightSource::At(to_object.point(position)),
         LightSource::Towards(direction) => {
-            let Some(direction) = Direction::of(to_world.inverse().vector(*direction)) else {
-                return vec![];
-            };
-            LightSource::Towards(direction)
+            LightSource::Towards(Direction::of(to_object.vector(*direction))?)
         }
     };
-    let mut edges = edges(placed.shape(), &object_ray, source);
-    for t in &mut edges {
-        *t /= scale;
-    }
-    edges
+    let edges = edges(placed.shape(), &object_ray, source)?;
+    Some(edges.into_iter().map(|t| t / scale).collect())
 }
 
-fn of_box(bounds: &Aabb, ray: &Ray, source: LightSource) -> Vec<f64> {
-    let Some(plane) = ShadowPlane::new(ray, source) else {
-        return vec![];
-    };
-    let corner = |index: usize| {
-        let pick = |axis: usize| [bounds.min, bounds.max][index >> axis & 1][axis];
-        DVec3::new(pick(0), pick(1), pick(2))
-    };
+fn of_box(bounds: &Aabb, ray: &Ray, source: LightSource) -> Option<Vec<f64>> {
+    let plane = ShadowPlane::new(ray, source)?;
+    let corners = bounds.corners();
     let edges = (0..8).flat_map(|from| {
         let ends = [1, 2, 4].map(|axis| from | axis);
         ends.into_iter()
             .filter(move |to| *to != from)
             .map(move |to| [from, to])
     });
-    let crossings = edges.filter_map(|ends| plane.crossing(ends.map(corner)));
-    crossings.filter_map(|point| plane.shadow(point)).collect()
+    let crossings = edges.filter_map(|ends| plane.crossing(ends.map(|end| corners[end])));
+    let shadows = crossings.filter_map(|point| plane.shadow(point));
+    Some(shadows.collect())
 }
 
-fn of_sphere(sphere: &Sphere, ray: &Ray, source: LightSource) -> Vec<f64> {
-    let Some(plane) = ShadowPlane::new(ray, source) else {
-        return vec![];
-    };
+fn of_sphere(sphere: &Sphere, ray: &Ray, source: LightSource) -> Option<Vec<f64>> {
+    let plane = ShadowPlane::new(ray, source)?;
     let height = plane.normal.dot(sphere.centre() - plane.origin);
     let squared = (sphere.radius() - height) * (sphere.radius() + height);
     if squared <= 0.0 {
-        return vec![];
+        return None;
     }
     let (centre, radius) = (plane.coordinates(sphere.centre()), squared.sqrt());
     // Where the two tangents touch the circle.
@@ -116,7 +103,7 @@ fn of_sphere(sphere: &Sphere, ray: &Ray, source: LightSource) -> Vec<f64> {
             let towards = light - centre;
             let distance = towards.length();
             if distance <= radius {
-                return vec![];
+                return None;
             }
             let towards = towards / distance;
             let along = radius * radius / distance;
@@ -125,7 +112,7 @@ fn of_sphere(sphere: &Sphere, ray: &Ray, source: LightSource) -> Vec<f64> {
         }
     };
     let shadows = touching.into_iter().filter_map(|point| plane.shadow(point));
-    shadows.collect()
+    Some(shadows.collect())
 }
 
 impl ShadowPlane {
@@ -181,6 +168,7 @@ impl ShadowPlane {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::Transform;
 
     fn ray() -> Ray {
         Ray::new(DVec3::ZERO, DVec3::X).unwrap()

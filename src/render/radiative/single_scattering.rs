@@ -48,43 +48,29 @@ fn within_cone(spot: &Spot, ray: &Ray, span: Span) -> Option<Span> {
     if spot.cos_outer <= 0.0 {
         return Some(span);
     }
-    let ConeRoots {
-        roots,
-        foot,
-        distance,
-    } = ConeRoots::new(spot, ray);
-    let mut ends = [span.near, span.far, span.near, span.far];
-    match roots {
-        Some(roots) => {
-            for (end, root) in ends[1..3].iter_mut().zip(roots) {
-                // A root that is no number lies beyond every end.
-                *end = if root.is_nan() {
-                    span.far
-                } else {
-                    root.clamp(span.near, span.far)
-                };
-            }
-        }
-        None => {
-            ends[1] = span.near;
-            ends[2] = span.far;
-        }
-    }
+    let cone = ConeRoots::new(spot, ray);
+    // A root that is no number lies beyond every end.
+    let within_span = |root: f64| match root.is_nan() {
+        true => span.far,
+        false => root.clamp(span.near, span.far),
+    };
+    let [a, b] = cone.roots.unwrap_or([span.near; 2]).map(within_span);
+    let mut ends = [span.near, a, b, span.far];
     ends.sort_unstable_by(f64::total_cmp);
-    let lit = |near: f64, far: f64| {
+    let is_lit = |&[near, far]: &[f64; 2]| {
         let middle = if far.is_finite() {
             near + 0.5 * (far - near)
         } else {
-            2.0 * near.abs() + foot.abs() + distance
+            2.0 * near.abs() + cone.foot.abs() + cone.distance
         };
         near < far && shines_on(spot, ray, middle)
     };
-    let pieces = [[ends[0], ends[1]], [ends[1], ends[2]], [ends[2], ends[3]]];
-    let mut inside = pieces.into_iter().filter(|&[near, far]| lit(near, far));
+    let pieces = ends.windows(2).map(|ends| [ends[0], ends[1]]);
+    let mut inside = pieces.filter(is_lit);
     let first = inside.next()?;
     let last = inside.next_back().unwrap_or(first);
     // A little wider than the roots: what is not lit in there counts as dark.
-    let margin = MARGIN * (foot.abs() + distance + first[0].abs());
+    let margin = cone.margin(first[0]);
     Some(Span::new(
         (first[0] - margin).max(span.near),
         (last[1] + margin).min(span.far),
@@ -100,12 +86,8 @@ pub fn edges(light: &Light, ray: &Ray) -> Vec<f64> {
     let Light::Spot(spot) = light else {
         return vec![];
     };
-    let ConeRoots {
-        roots,
-        foot,
-        distance,
-    } = ConeRoots::new(spot, ray);
-    let Some([a, b]) = roots else {
+    let cone = ConeRoots::new(spot, ray);
+    let Some([a, b]) = cone.roots else {
         return vec![];
     };
     let [first, last] = [a.min(b), a.max(b)];
@@ -115,34 +97,31 @@ pub fn edges(light: &Light, ray: &Ray) -> Vec<f64> {
     } else {
         f64::NAN
     };
-    let edges = [first, last]
-        .into_iter()
-        .enumerate()
-        .filter_map(|(index, root)| {
-            // Each stays on its side of the other. If light does not change in between, the ray only
-            // touches the cone.
-            let margin = MARGIN * (foot.abs() + distance + root.abs());
-            let (mut from, mut to) = match index {
-                0 => (root - margin, (root + margin).min(middle)),
-                _ => ((root - margin).max(middle), root + margin),
-            };
-            let before = shines_on(spot, ray, from);
-            let is_bracket = from < to;
-            if !is_bracket || before == shines_on(spot, ray, to) {
-                return None;
+    // Each stays on its side of the other.
+    let [to_first, to_last] = [first, last].map(|root| cone.margin(root));
+    let brackets = [
+        [first - to_first, (first + to_first).min(middle)],
+        [(last - to_last).max(middle), last + to_last],
+    ];
+    let edges = brackets.into_iter().filter_map(|[mut from, mut to]| {
+        let before = shines_on(spot, ray, from);
+        let is_bracket = from < to;
+        // If light does not change in between, the ray only touches the cone.
+        if !is_bracket || before == shines_on(spot, ray, to) {
+            return None;
+        }
+        loop {
+            let middle = from + 0.5 * (to - from);
+            if !(from < middle && middle < to) {
+                return Some(to);
             }
-            loop {
-                let middle = from + 0.5 * (to - from);
-                if !(from < middle && middle < to) {
-                    return Some(to);
-                }
-                if shines_on(spot, ray, middle) == before {
-                    from = middle;
-                } else {
-                    to = middle;
-                }
+            if shines_on(spot, ray, middle) == before {
+                from = middle;
+            } else {
+                to = middle;
             }
-        });
+        }
+    });
     edges.collect()
 }
 
@@ -186,6 +165,11 @@ impl ConeRoots {
             foot,
             distance: v.length(),
         }
+    }
+
+    /// Bound on the error of the root at the distance `t`.
+    fn margin(&self, t: f64) -> f64 {
+        MARGIN * (self.foot.abs() + self.distance + t.abs())
     }
 }
 

@@ -1,6 +1,6 @@
 //! Mirrors and glass: surfaces where light goes on in one or two directions.
 
-use crate::geometry::{Direction, Hit, Ray, Side};
+use crate::geometry::{Hit, Ray, Side};
 use crate::optics::{Material, reflected, split};
 use glam::DVec3;
 
@@ -23,7 +23,7 @@ pub(crate) fn specular_bounces(
     ray: &Ray,
     hit: &Hit,
 ) -> [Option<SpecularBounce>; 2] {
-    let normal = facing(hit);
+    let normal = hit.facing();
     let leaving = |direction, share, weight| {
         let ray = hit.point.leave(direction)?;
         Some(SpecularBounce { ray, share, weight })
@@ -63,12 +63,4 @@ pub(crate) fn specular_bounce(
         return reflected;
     }
     Some(refracted)
-}
-
-/// The normal on the side that was hit.
-pub fn facing(hit: &Hit) -> Direction {
-    match hit.side {
-        Side::Front => hit.point.normal,
-        Side::Back => -hit.point.normal,
-    }
 }

@@ -2,6 +2,7 @@
 
 use super::occluders::Occluders;
 use crate::geometry::{Bvh, Crossing, Hit, Ray, Surface};
+use crate::render::counters::{Counters, Event};
 use crate::scene::{AreaLight, Object, Radiative};
 
 /// The nearest surface along a ray.
@@ -60,20 +61,6 @@ impl<'s> Surfaces<'s> {
         }
     }
 
-    /// Their number.
-    pub fn count(&self) -> u64 {
-        (self.objects.len() + self.area_lights.len()) as u64
-    }
-
-    /// The surfaces that [`Surfaces::block`] may test.
-    pub(crate) fn occluders(&self, limit: f64) -> &Occluders<'s> {
-        if limit.is_finite() {
-            &self.between_vertices
-        } else {
-            &self.all
-        }
-    }
-
     /// A surface by its number: objects first, then area lights.
     fn index(&self, number: usize) -> SurfaceIndex {
         match number.checked_sub(self.objects.len()) {
@@ -82,8 +69,16 @@ impl<'s> Surfaces<'s> {
         }
     }
 
-    /// The nearest surface on `ray`, of several at the same distance the first of the scene.
-    pub fn nearest(&self, ray: &Ray) -> Option<Intersection> {
+    fn shape(&self, surface: SurfaceIndex) -> &dyn Surface {
+        match surface {
+            SurfaceIndex::Object(index) => &self.objects[index].shape,
+            SurfaceIndex::AreaLight(index) => &self.area_lights[index].shape,
+        }
+    }
+
+    /// The nearest surface on `ray`; among several at the same distance, the first of the scene.
+    pub fn nearest(&self, ray: &Ray, work: &mut Counters) -> Option<Intersection> {
+        work.count_times(Event::SurfaceTest, self.all.count());
         match &self.hierarchy {
             Some(hierarchy) => self.nearest_in(hierarchy, ray),
             None => self.nearest_of_all(ray),
@@ -124,10 +119,7 @@ impl<'s> Surfaces<'s> {
     }
 
     fn intersection(&self, ray: &Ray, surface: SurfaceIndex, crossing: &Crossing) -> Intersection {
-        let hit = match surface {
-            SurfaceIndex::Object(index) => self.objects[index].shape.hit_at(ray, crossing),
-            SurfaceIndex::AreaLight(index) => self.area_lights[index].shape.hit_at(ray, crossing),
-        };
+        let hit = self.shape(surface).hit_at(ray, crossing);
         Intersection { surface, hit }
     }
 
@@ -140,30 +132,27 @@ impl<'s> Surfaces<'s> {
                 // An earlier one at the same distance is preferred.
                 Some((_, crossing)) => crossing.t.next_up(),
             };
-            let crossing = match self.index(number) {
-                SurfaceIndex::Object(index) => self.objects[index].shape.crossing(ray, limit),
-                SurfaceIndex::AreaLight(index) => {
-                    self.area_lights[index].shape.crossing(ray, limit)
-                }
-            };
+            let crossing = self.shape(self.index(number)).crossing(ray, limit);
             nearest = crossing.map(|crossing| (number, crossing)).or(nearest);
             nearest.map_or(f64::INFINITY, |(_, crossing)| crossing.t)
         });
         nearest.map(|(number, crossing)| self.intersection(ray, self.index(number), &crossing))
     }
 
-    /// A surface stands between the origin of `ray`, a vertex or a light, and another of them at the
+    /// Whether a surface stands between the origin of `ray`, a vertex or a light, and another of them at the
     /// distance `limit`; if that is infinite, anywhere on `ray`.
-    pub fn block(&self, ray: &Ray, limit: f64) -> bool {
+    pub fn block(&self, ray: &Ray, limit: f64, work: &mut Counters) -> bool {
+        let occluders = match limit.is_finite() {
+            true => &self.between_vertices,
+            false => &self.all,
+        };
+        work.count_times(Event::SurfaceTest, occluders.count());
         let Some(hierarchy) = &self.hierarchy else {
-            return self.occluders(limit).block(ray, limit);
+            return occluders.block(ray, limit);
         };
         let mut blocked = false;
         hierarchy.walk(ray, 0.0, limit, |number, limit| {
-            blocked = match self.index(number) {
-                SurfaceIndex::Object(index) => self.objects[index].shape.blocks(ray, limit),
-                SurfaceIndex::AreaLight(index) => self.area_lights[index].shape.blocks(ray, limit),
-            };
+            blocked = self.shape(self.index(number)).blocks(ray, limit);
             if blocked { f64::NEG_INFINITY } else { limit }
         });
         blocked

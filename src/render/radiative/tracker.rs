@@ -11,9 +11,9 @@ use crate::render::counters::Counters;
 pub struct Tracker<'c> {
     /// Random numbers of the path.
     pub sampler: Sampler,
-    /// Memory.
+    /// Memory kept from ray to ray.
     pub scratch: &'c mut TrackerScratch,
-    /// Counters.
+    /// Counters of the work done.
     pub work: &'c mut Counters,
 }
 
@@ -41,12 +41,5 @@ impl<'c> Tracker<'c> {
     /// A tracker for integrals, which use no random numbers.
     pub fn for_integrals(scratch: &'c mut TrackerScratch, work: &'c mut Counters) -> Self {
         Tracker::new(Sampler::for_integrals(), scratch, work)
-    }
-}
-
-impl TrackerScratch {
-    /// Extinctions found above their majorants since the last call: a fault of the majorants.
-    pub fn take_violations(&mut self) -> u64 {
-        std::mem::take(&mut self.effort.violations)
     }
 }

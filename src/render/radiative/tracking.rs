@@ -57,21 +57,13 @@ pub trait TentativeNumbers {
     fn next(&mut self) -> Tentative;
 }
 
-/// Work of a tracker.
+/// Lookups that a tracker has made.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Effort {
     /// Lookups of the extinction.
     pub lookups: u64,
     /// Lookups above the majorant.
     pub violations: u64,
-}
-
-impl Effort {
-    /// Notes a lookup on `segment`.
-    pub fn note(&mut self, segment: &MajorantSegment, extinction: DVec3) {
-        self.lookups += 1;
-        self.violations += u64::from(!extinction.cmple(segment.majorant).all());
-    }
 }
 
 /// Visits tentative collisions along `majorants`, in order: a Poisson process of density
@@ -104,7 +96,8 @@ pub(crate) fn tentative_collisions<M: Majorants, B>(
             }
             near = (near + optical_distance / rate).min(far);
             let extinction = majorants.extinction(near);
-            effort.note(&segment, extinction);
+            effort.lookups += 1;
+            effort.violations += u64::from(!extinction.cmple(segment.majorant).all());
             let t = near;
             visit(majorants, &segment, RealCollision { t, extinction }, u)?;
             Tentative {
@@ -124,7 +117,7 @@ pub(crate) fn tentative_collisions<M: Majorants, B>(
 pub struct RealCollision {
     /// Distance along the ray.
     pub t: f64,
-    /// Extinction there.
+    /// Extinction there, by channel.
     pub extinction: DVec3,
 }
 

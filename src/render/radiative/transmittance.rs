@@ -6,7 +6,7 @@
 //! | heterogeneous, absorbing only, of a density with an integral | integrated: `e^(−σ ∫ρ dt)` |
 //! | any other | estimated by residual ratio tracking |
 
-use super::media::{Media, Set, members};
+use super::media::{Set, members};
 use super::medium::over;
 use super::ray_majorants::RayMajorants;
 use super::sampler::NumberRow;
@@ -32,7 +32,7 @@ impl Transmittance<'_> {
             work.count_times(Event::ChannelAttenuation, 2);
         }
         if depth == DVec3::ZERO {
-            // Of media that only absorb, where there are none, on every flight.
+            // Every flight asks for the transmittance of media that only absorb, also where there are none.
             DVec3::ONE
         } else if self.0.features.chromatic {
             DVec3::from_array(depth.to_array().map(optics::transmittance))
@@ -50,7 +50,7 @@ impl Transmittance<'_> {
         }
         let mut depth = DVec3::ZERO;
         let mut estimate = DVec3::ONE;
-        for medium in self.0.media.all() {
+        for (index, medium) in self.0.media.all().iter().enumerate() {
             if medium.density.is_some() && medium.is_vacuum() {
                 // No random number may be drawn for it.
                 continue;
@@ -70,8 +70,7 @@ impl Transmittance<'_> {
                 if medium.density.is_none() {
                     depth += over(medium.sigma_t(), span.length());
                 } else {
-                    let set = 1 << medium.index;
-                    estimate *= self.of_heterogeneous(set, ray, span, tracker);
+                    estimate *= self.of_heterogeneous(1 << index, ray, span, tracker);
                 }
             }
             tracker.scratch.spans = spans;
@@ -79,8 +78,8 @@ impl Transmittance<'_> {
         estimate * self.closed(depth, tracker.work)
     }
 
-    /// Transmittance, by channel, of the media that only absorb along `ray` up to distance `t`:
-    /// of the homogeneous ones their optical `depth` is given, the others lie on `segments`.
+    /// Transmittance, by channel, of the media that only absorb along `ray` up to distance `t`: the
+    /// homogeneous ones have the optical depth `depth`, the others lie on `segments`.
     pub(crate) fn of_absorbing(
         self,
         segments: &MediumSegments,
@@ -122,28 +121,17 @@ impl Transmittance<'_> {
         if estimated == 0 {
             return integrated;
         }
-        integrated * estimated_transmittance(&self.0.media, estimated, ray, span, tracker)
+        let scratch = &mut *tracker.scratch;
+        let heterogeneous = &mut scratch.heterogeneous;
+        let mut majorants = RayMajorants::new(&self.0.media, estimated, ray, span, heterogeneous);
+        let estimate = ratio_tracking(
+            &mut majorants,
+            Control::Minorant,
+            Small::Roulette,
+            &mut tracker.sampler.tentative(NumberRow::Transmittance),
+            &mut scratch.effort,
+        );
+        majorants.count_work(tracker.work);
+        integrated * estimate
     }
-}
-
-/// An estimate of the transmittance, by channel, of the media in `set` along `ray` over `span`,
-/// which lies in all of them.
-fn estimated_transmittance(
-    media: &Media<'_>,
-    set: Set,
-    ray: &Ray,
-    span: Span,
-    tracker: &mut Tracker<'_>,
-) -> DVec3 {
-    let scratch = &mut *tracker.scratch;
-    let mut majorants = RayMajorants::new(media, set, ray, span, &mut scratch.heterogeneous);
-    let transmittance = ratio_tracking(
-        &mut majorants,
-        Control::Minorant,
-        Small::Roulette,
-        &mut tracker.sampler.tentative(NumberRow::Transmittance),
-        &mut scratch.effort,
-    );
-    majorants.count_work(tracker.work);
-    transmittance
 }

@@ -1,7 +1,7 @@
 //! A vertex of a path: a collision in media, or a point of a diffuse surface.
 
 use super::media::Set;
-use crate::geometry::{Direction, Ray, SurfacePoint};
+use crate::geometry::{Direction, Hit, Ray, SurfacePoint};
 use glam::DVec3;
 
 /// A vertex that scatters into a range of directions.
@@ -28,6 +28,15 @@ pub(crate) enum Vertex {
 }
 
 impl Vertex {
+    /// The point of a diffuse surface at `hit`.
+    pub fn on_surface(hit: &Hit, reflectance: DVec3) -> Vertex {
+        Vertex::Diffuse {
+            point: hit.point,
+            normal: hit.facing(),
+            reflectance,
+        }
+    }
+
     /// World point.
     pub fn point(&self) -> DVec3 {
         match self {
@@ -36,7 +45,7 @@ impl Vertex {
         }
     }
 
-    /// Light from `direction`, seen from here, may be scattered back along the path.
+    /// Whether light from `direction`, seen from here, may be scattered back along the path.
     pub fn faces(&self, direction: Direction) -> bool {
         match self {
             Vertex::Medium { .. } => true,

@@ -16,7 +16,7 @@ impl Visibility<'_> {
     /// estimate through heterogeneous media that scatter.
     pub fn along(self, ray: &Ray, distance: f64, tracker: &mut Tracker<'_>) -> DVec3 {
         tracker.work.count(Event::ShadowRay);
-        if self.0.features.surfaces && !self.0.is_unoccluded(ray, distance, tracker.work) {
+        if self.0.features.surfaces && self.0.surfaces.block(ray, distance, tracker.work) {
             return DVec3::ZERO;
         }
         if !self.0.features.media {

@@ -145,8 +145,7 @@ impl<'s> Contents<'s> {
         self.scattering.is_some() && self.media > 1 && self.scene.media.iter().any(is_mesh)
     }
 
-    /// The first of `keys` that the file gives for medium `index`; of a scene without a file, the
-    /// first of all.
+    /// The first of `keys` that the file gives for medium `index`, or the first of all if it gives none.
     pub fn key_of(&self, index: usize, keys: &[&str]) -> String {
         let full = |key: &str| format!("{MEDIUM}[{index}].{key}");
         let given = keys.iter().find(|key| self.key_lines.has(&full(key)));

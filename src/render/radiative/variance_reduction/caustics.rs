@@ -14,6 +14,7 @@
 use super::specular_chain::{Follower, SpecularChain};
 use super::specular_objects::SpecularObject;
 use crate::geometry::{Ray, Surface};
+use crate::math::Frame;
 use crate::math::rng::Purpose;
 use crate::math::sampling::power_heuristic;
 use crate::render::counters::Event;
@@ -63,8 +64,9 @@ impl Caustics<'_> {
         // The rest of the choice is uniform again.
         let choice = u / probability;
         let target = self.0.specular_objects.get(choice as usize)?;
-        let cone = target.seen_from(vertex.point())?;
+        let (cone, axis) = target.seen_from(vertex.point())?;
         let direction = cone.direction([choice.fract(), v]);
+        let direction = Frame::around(axis).to_world(direction);
         if !vertex.faces(direction) {
             return None;
         }
@@ -148,7 +150,7 @@ impl Caustics<'_> {
         let mut objects = self.0.specular_objects.iter();
         let target = objects.find(|it| it.object == object);
         let cone = target.and_then(|target| target.seen_from(path.ray.origin));
-        let (Some(probability), Some(cone)) = (self.aim_probability(path.vertices - 1), cone)
+        let (Some(probability), Some((cone, _))) = (self.aim_probability(path.vertices - 1), cone)
         else {
             return SpecularChain::ALONE;
         };

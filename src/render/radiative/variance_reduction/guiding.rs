@@ -126,7 +126,7 @@ pub struct Guide<'g> {
 pub enum Technique {
     /// The phase function.
     Phase,
-    /// [`Guide::sample`].
+    /// A lobe towards an area light, by [`Guide::sample`].
     Guide,
 }
 

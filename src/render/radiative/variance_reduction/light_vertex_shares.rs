@@ -8,9 +8,9 @@ use crate::scene::Radiative;
 /// Probabilities that the light vertices of a scene are in media and on surfaces; they sum to 1.
 #[derive(Clone, Copy, Debug)]
 pub struct LightVertexShares {
-    /// In media.
+    /// Probability of one in a medium.
     pub medium: f64,
-    /// On surfaces.
+    /// Probability of one on a surface.
     pub surface: f64,
 }
 

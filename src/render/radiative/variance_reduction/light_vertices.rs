@@ -30,7 +30,6 @@ use crate::render::radiative::scene_context::{PositionedLight, SceneContext};
 use crate::render::radiative::single_scattering::{
     ScatteringPoint, ScatteringPointSampler, SingleScattering,
 };
-use crate::render::radiative::specular::facing;
 use crate::render::radiative::surfaces::{Intersection, SurfaceIndex};
 use crate::render::radiative::tracker::Tracker;
 use crate::render::radiative::transmittance::Transmittance;
@@ -230,7 +229,7 @@ impl LightVertices<'_> {
         };
         let (ray, distance) = vertex.towards_surface(&hit.point)?;
         // Light leaves on the side that it arrived on.
-        let cosine = -ray.direction.cosine_to(facing(&hit));
+        let cosine = -ray.direction.cosine_to(hit.facing());
         let response = ScatteringFunction(self.0).response(vertex, ray.direction, tracker.work);
         if cosine <= 0.0 || response.value == DVec3::ZERO {
             return None;
@@ -243,7 +242,7 @@ impl LightVertices<'_> {
         let pdf = share * surface_vertex_pdf(light, ray.origin, &hit.point);
         let weight = power_heuristic(pdf, response.pdf);
         let visibility = Visibility(self.0).along(&ray, distance, tracker);
-        // Of irradiance I·cos/r² and density p·cos/r² per area, I/p is left.
+        // The irradiance I·cos/r² over the density per area p·cos/r² is I/p.
         let scattered = reflectance / PI * arriving * (cosine / (distance * distance));
         Some(response.value * visibility * scattered * (weight / (share * out.pdf)))
     }

@@ -1,7 +1,6 @@
 //! The mirrors and glass of a scene, and the directions towards them.
 
 use crate::geometry::{Direction, Surface, length_of};
-use crate::math::Frame;
 use crate::math::sampling::Cone;
 use crate::optics::Material;
 use crate::scene::{Object, Radiative};
@@ -16,13 +15,6 @@ pub struct SpecularObject {
     pub is_glass: bool,
     centre: DVec3,
     radius: f64,
-}
-
-/// The cone of directions from a point to the sphere around an object.
-#[derive(Clone, Copy, Debug)]
-pub struct ConeToObject {
-    axis: Direction,
-    cone: Cone,
 }
 
 impl SpecularObject {
@@ -47,23 +39,10 @@ impl SpecularObject {
             .collect()
     }
 
-    /// The directions from `point` to the sphere; `None` from inside.
-    pub fn seen_from(&self, point: DVec3) -> Option<ConeToObject> {
+    /// The cone of directions from `point` to the sphere, and its axis; `None` from inside.
+    pub fn seen_from(&self, point: DVec3) -> Option<(Cone, Direction)> {
         let towards = self.centre - point;
         let cone = Cone::around_sphere(self.radius, length_of(towards))?;
-        let axis = Direction::of(towards)?;
-        Some(ConeToObject { axis, cone })
-    }
-}
-
-impl ConeToObject {
-    /// The direction for two numbers in [0, 1). Uniform numbers give uniform directions.
-    pub fn direction(&self, numbers: [f64; 2]) -> Direction {
-        Frame::around(self.axis).to_world(self.cone.direction(numbers))
-    }
-
-    /// Density of [`direction`](ConeToObject::direction), per steradian, the same everywhere.
-    pub fn pdf(&self) -> f64 {
-        self.cone.pdf()
+        Some((cone, Direction::of(towards)?))
     }
 }

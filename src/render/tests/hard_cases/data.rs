@@ -199,7 +199,7 @@ fn d7_bright_voxel_on_a_border() {
     margin.sampled("by ratio tracking", &Moments::from_iter(by_ratio), right);
     let [by_delta, ..] = sampled(&scene, Some(0), SAMPLES, view);
     margin.sampled("by delta tracking", &by_delta, right);
-    margin.exact("violations of the bound", scratch.take_violations(), 0);
+    margin.exact("violations of the bound", scratch.effort.violations, 0);
 }
 
 #[test]
