@@ -43,7 +43,8 @@ export CARGO_INCREMENTAL=0
 if command -v c++ >/dev/null; then export RUSTFLAGS="${RUSTFLAGS:-} --cfg flip_oracle"; fi
 
 # What is built for lints and tests is built for this very processor, the release for any: the tests and
-# `verify` hold the same hashes of all goldens, so that both builds are known to give the same bits.
+# `verify` hold the same hashes of all goldens, so that both builds are known to give the same bits. Numbers of
+# threads are compared at night.
 for_any_processor=${RUSTFLAGS:-}
 export RUSTFLAGS="$for_any_processor -C target-cpu=native"
 

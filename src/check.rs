@@ -5,7 +5,8 @@ use crate::film::Film;
 use crate::judging::CaseResult;
 use crate::judging::validate::validate;
 use crate::naming::{ConventionSearch, Predictions, Search, diagnosis};
-use crate::suite::{Output, SUITE_VARIABLE, Suite, SuiteError};
+pub use crate::suite::SUITE_VARIABLE;
+use crate::suite::{Output, Suite, SuiteError};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 

@@ -28,7 +28,7 @@ fn ply(vertices: &[DVec3], faces: &[[usize; 3]]) -> Vec<u8> {
     bytes
 }
 
-/// Files beside the main one: equal ones are one.
+/// Files beside the main one; [`file`](SharedFiles::file) writes equal ones once.
 pub(super) struct SharedFiles<'n> {
     /// The name that all files begin with.
     pub name: &'n str,

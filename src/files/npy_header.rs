@@ -1,7 +1,7 @@
 //! The header of NPY, a file with one NumPy array.
 //!
 //! The crate `npyz` multiplies the lengths of the axes unchecked and panics on a header of a few
-//! bytes, so the header is read here. Faults are the end of "not a readable NPY …: ".
+//! bytes, so the header is read here. Errors end a sentence that begins "not a readable NPY image: ".
 //!
 //! Source: <https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html>.
 
@@ -108,7 +108,10 @@ impl NpyHeader {
             format!("its header is not that of an array: {message}")
         })?;
         let toml::Value::String(descr) = keys.descr else {
-            return Err("it is an array of records; save one array of np.float32".to_owned());
+            return Err(
+                "it is an array of records; save one of its fields as an array of np.float32"
+                    .to_owned(),
+            );
         };
         Ok(NpyHeader {
             descr,

@@ -188,9 +188,13 @@ impl Quantisation {
 
     /// Number of different codes in `film`; `None` if a value is no code.
     fn levels(&self, film: &Film) -> Option<usize> {
-        let values = film.radiance().as_flattened().iter();
-        let levels: Option<BTreeSet<u8>> = values.map(|&value| self.level(value)).collect();
-        levels.map(|levels| levels.len())
+        let (mut values, mut levels) = (BTreeSet::new(), BTreeSet::new());
+        for value in film.radiance().as_flattened() {
+            if values.insert(value.to_bits()) {
+                levels.insert(self.level(*value)?);
+            }
+        }
+        Some(levels.len())
     }
 
     /// The code of `value`, if it is one.

@@ -243,7 +243,7 @@ impl Bins {
         }
     }
 
-    /// The bin of a box. Where all centres are the same, the quotient is no number, and the bin is 0.
+    /// The bin of a box. Where all centres are the same, 0 · ∞ is no number, and the bin is 0.
     fn bin(&self, bounds: &Aabb) -> usize {
         let bin = (bounds.centre()[self.axis] - self.low) * self.scale;
         (bin as usize).min(BINS - 1)

@@ -73,14 +73,16 @@ struct QuadraturePiece {
 }
 
 fn total(pieces: &[QuadraturePiece]) -> Integral {
-    let sum = |part: &dyn Fn(&Integral) -> f64| {
-        let parts: Sum = pieces.iter().map(|piece| part(&piece.integral)).collect();
-        parts.value()
-    };
-    Integral {
-        value: DVec3::from_array([0, 1, 2].map(|channel| sum(&|it| it.value[channel]))),
-        error: sum(&|it| it.error),
+    let mut sums = [Sum::default(); 4];
+    for QuadraturePiece { integral, .. } in pieces {
+        let [x, y, z] = integral.value.to_array();
+        for (sum, term) in sums.iter_mut().zip([x, y, z, integral.error]) {
+            sum.add(term);
+        }
     }
+    let [x, y, z, error] = sums.map(|sum| sum.value());
+    let value = DVec3::new(x, y, z);
+    Integral { value, error }
 }
 
 /// Distances of the fifteen Kronrod points from the middle, the outermost first; every second is

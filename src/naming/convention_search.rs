@@ -56,7 +56,7 @@ impl Explained {
         matches!(self.set[..], [one] if CATALOGUE[one].choice != STEP)
     }
 
-    /// Replaces a mismatch by the verdict of these conventions: a pass where they are `accepted`.
+    /// Replaces a mismatch by the verdict of these conventions: no fault where they are `accepted`.
     fn explain(&self, result: &mut CaseResult, accepted: bool) {
         result.conventions = self.in_words();
         let rest = match self.but_for {

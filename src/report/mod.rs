@@ -1,4 +1,4 @@
-//! Results as text, plots, JSON, JUnit and HTML. Nothing here reads, writes or prints.
+//! Results as text, plots, JSON, JUnit, CSV and HTML. Nothing here reads, writes or prints.
 
 mod cost;
 mod gallery;

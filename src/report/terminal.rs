@@ -1,7 +1,7 @@
 //! Results for people.
 
 use crate::conventions::Profile;
-use crate::judging::{CaseResult, JudgedWith, KnownStatus, Verdict};
+use crate::judging::{CaseResult, Cause, JudgedWith, KnownStatus, Verdict};
 use crate::naming::{Diagnosis, NOTHING_KNOWN};
 use std::collections::BTreeMap;
 
@@ -75,9 +75,9 @@ pub fn verdict_text(result: &CaseResult, widest: usize) -> String {
     if result.verdict != Verdict::Pass {
         below.extend(result.reason.lines().map(str::to_owned));
     }
-    let accepts = match result.verdict {
-        Verdict::Convention => "--accept-conventions accepts it",
-        _ => "--accept-conventions accepted it",
+    let accepts = match result.cause {
+        Cause::None => "--accept-conventions accepted it",
+        _ => "--accept-conventions accepts it",
     };
     let profile = result.profile.as_deref();
     match (profile, profile.and_then(Profile::shipped_name)) {

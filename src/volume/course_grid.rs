@@ -84,9 +84,7 @@ mod tests {
             );
             assert!(message(&whole[..cut]).starts_with(&found));
         }
-        let found = format!(
-            "{declared} 33 bytes follow it: the file is truncated, contains something else"
-        );
+        let found = format!("{declared} 33 bytes follow it: the file is truncated, has extra data");
         assert!(message(&[&whole[..], &[0]].concat()).starts_with(&found));
     }
 

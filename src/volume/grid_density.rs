@@ -56,12 +56,8 @@ impl GridDensity {
     pub fn blocks(&self) -> Blocks {
         let lattice = self.grid.lattice();
         let counts = lattice.nodes().map(|nodes| nodes.div_ceil(BLOCK));
-        Blocks::of(
-            self,
-            self.bounds(),
-            counts,
-            lattice.spacing() * BLOCK as f64,
-        )
+        let size = lattice.spacing() * BLOCK as f64;
+        Blocks::of(self, self.bounds(), counts, size)
     }
 
     /// `∫ density dt` over the segment `span` of a line, exactly, up to rounding. Adds the number of

@@ -51,7 +51,7 @@ fn grids() {
         ),
         (
             &[&whole[..], b"more"].concat(),
-            &["but 36 bytes follow", "contains something else"],
+            &["but 36 bytes follow", "has extra data"],
         ),
         // 2^60 voxels: refused by the header, before anything is allocated.
         (&bomb, &["1048576 × 1048576 × 1048576"]),

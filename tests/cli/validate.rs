@@ -779,6 +779,7 @@ fn conventions_are_told_apart_and_accepted() {
     let accepted = with(&["--accept-conventions"]);
     accepted.expect(0, "");
     assert!(accepted.stdout.contains("in proportion to the step"));
+    assert!(accepted.stdout.contains("--accept-conventions accepted it"));
     // For build servers, too.
     with(&["--accept-conventions", "--junit", "r.xml"]).expect(0, "");
     assert!(!folder.text("r.xml").contains("<failure"));

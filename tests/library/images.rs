@@ -173,7 +173,7 @@ fn what_cannot_be_used_is_refused_in_words() {
     bad-palette-length.png: not a readable PNG image: it is broken (the decoder stopped: range end index 3 out of range for slice of length 2): write it again
     bad-planes.npy: an array of shape (3, 6, 8); an image has the shape (height, width, 3), (height, width, 4) with opacity, or (height, width) if it is grey
     bad-profile.png: the codes of this PNG are not sRGB: they have a colour profile of their own; encode them as sRGB and state nothing else, or write linear radiance as .exr
-    bad-records.npy: not a readable NPY image: it is an array of records; save one array of np.float32
+    bad-records.npy: not a readable NPY image: it is an array of records; save one of its fields as an array of np.float32
     bad-stack.npy: an array of shape (1, 6, 8, 3); an image has the shape (height, width, 3), (height, width, 4) with opacity, or (height, width) if it is grey
     bad-tile-missing.exr: not a readable EXR image: of its 6 blocks of pixels, 1 are missing
     bad-two-layers.exr: several layers have colours, and none is the main one: albedo, direct; write one of them without a name, or call it rgba, beauty or combined

@@ -156,7 +156,7 @@ fn a_faint_change_is_seen_and_named() {
     assert!(without.passed, "{}", without.reason);
     let judgement = judged(&pair, &sensitivities(3), 1e-6);
     assert!(
-        !judgement.passed && judgement.reason.contains("looks like it: density"),
+        !judgement.passed && judgement.reason.contains("with the same effect: density"),
         "{}",
         judgement.reason
     );

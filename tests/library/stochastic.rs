@@ -271,7 +271,7 @@ fn what_it_must_reject() {
         "a hot pixel where there is no noise",
         &reference,
         &edited(&test, |i, pixel| if i == 47 { [1e-3; 3] } else { pixel }),
-        "both images state no noise",
+        "both images state a noise of 0",
     );
     let checked = |i: usize| {
         if (i + i / SIDE).is_multiple_of(2) {
@@ -511,7 +511,7 @@ fn without_noise_equal_is_equal() {
         ("twice that", film(|v| v * (1.0 + 2.0 / 2048.0), 0.0)),
         ("an offset", film(|v| v + 1e-6, 0.0)),
     ] {
-        assert_rejected(name, &exact, &different, "both images state no noise");
+        assert_rejected(name, &exact, &different, "both images state a noise of 0");
     }
     let offset = silent(&film(|v| v + 0.5, 0.0));
     assert!(!judged(&exact, &offset).passed);

@@ -82,7 +82,7 @@ impl PixelDifferences {
         // One share for what noise cannot make of single pixels: half for these, half for black ones.
         (self.contrary > 0 && each * (3 * self.values) as f64 <= 0.5 * level).then(|| {
             format!(
-                "{} values differ where both images state no noise",
+                "{} values differ where both images state a noise of 0",
                 self.contrary
             )
         })

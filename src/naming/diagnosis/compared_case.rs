@@ -440,7 +440,7 @@ impl KeptValues {
 /// True if the colours of two images without noise agree, and opacity may not.
 fn has_right_colours(golden: &Film, picture: &Picture) -> bool {
     let test = picture.radiance().filter(|test| test.noise().is_none());
-    if golden.opacity().is_none() || test.is_none() {
+    if golden.opacity().is_none() || golden.noise().is_some() || test.is_none() {
         return false;
     }
     let colours = Picture::Radiance(golden.clone().without_opacity());

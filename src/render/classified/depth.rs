@@ -28,20 +28,18 @@ pub fn depth(scene: &Scene, depth: Depth) -> Result<Vec<f32>, String> {
     let panels = panels?;
     let pixels: Vec<_> = (0..scene.height())
         .flat_map(|row| {
-            let pixels = panels.iter().map(move |panel @ (Panel { width, .. }, ..)| {
-                (0..*width).map(move |column| (panel, [column, row]))
-            });
-            pixels.flatten()
+            let panels = panels.iter();
+            panels.flat_map(move |of| (0..of.0.width).map(move |column| (of, [column, row])))
         })
         .collect();
     let of_pixel =
-        |((panel, volume, along), pixel): (&(&Panel, &Classified, DepthAlong<'_>), _)| {
+        |&((panel, volume, along), pixel): &(&(&Panel, &Classified, DepthAlong<'_>), _)| {
             let ray = volume.camera.ray(pixel, [panel.width, panel.height]);
             let cosine = ray.direction.dot(*volume.camera.axis);
             let scale = if depth.along_view { cosine } else { 1.0 };
             (scale * along(&ray)) as f32
         };
-    Ok(pixels.into_par_iter().map(of_pixel).collect())
+    Ok(pixels.par_iter().map(of_pixel).collect())
 }
 
 /// The volume of `panel`, if its depth is defined.

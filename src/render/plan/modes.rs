@@ -19,28 +19,16 @@ pub(super) fn plan<'s>(panel: &'s Panel, scene: &'s Classified, forced: &[Effect
         .into_iter()
         .any(|effect| decisions.is_on(effect));
     let (kernel, method, key, reason) = if !is_seen {
-        (
-            Kernel::Background(scene),
-            Method::Background,
-            SURFACES,
-            unseen(scene),
-        )
+        let kernel = Kernel::Background(scene);
+        (kernel, Method::Background, SURFACES, unseen(scene))
     } else if scene.is_exact() {
+        let kernel = Kernel::Field(scene);
         let reason = "exact values are asked for, without samples".to_owned();
-        (
-            Kernel::Field(scene),
-            Method::ClosedForm,
-            COMPOSITING,
-            reason,
-        )
+        (kernel, Method::ClosedForm, COMPOSITING, reason)
     } else {
+        let kernel = Kernel::Field(scene);
         let reason = "the field is sampled one step apart".to_owned();
-        (
-            Kernel::Field(scene),
-            Method::RayCasting,
-            "classified.step",
-            reason,
-        )
+        (kernel, Method::RayCasting, "classified.step", reason)
     };
     let why = Reason::of(key, reason, key_lines);
     Plan {
