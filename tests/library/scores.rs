@@ -99,7 +99,7 @@ fn scores_raise_no_more_alarms_than_promised() {
             let pair = pair(suite, shape, 32, scene);
             let judgement = judged(&pair, &sensitivities(suite), level);
             alarms += u32::from(
-                judgement.reason.contains("looks like it")
+                judgement.reason.contains("with the same effect")
                     || judgement.reason.contains("for derivatives"),
             );
         }
