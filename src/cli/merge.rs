@@ -161,11 +161,10 @@ fn joined_results(
         for (name, _) in &of.run.cases {
             match of_cases.remove(name.as_str()) {
                 Some(Some((kept, folder))) => {
-                    let judged = if arguments.files.wants_evidence() {
-                        with_images(kept, folder, &of.id, suite)
-                    } else {
-                        kept.clone().judged()
-                    };
+                    let mut judged = kept.clone().judged();
+                    if arguments.files.wants_evidence() {
+                        add_images(&mut judged, (kept, folder), &of.id, suite);
+                    }
                     results.push(judged.result.clone());
                     found.push((of.name(), judged));
                 }
@@ -223,9 +222,13 @@ fn joined_results(
     Ok(Outcome { text, exit })
 }
 
-/// The result `kept` of a run in `folder` with its images. The verdict holds without them.
-fn with_images(kept: &KeptResult, folder: &ResultFolder, run: &str, suite: &Suite) -> Judged {
-    let mut judged = kept.clone().judged();
+/// Adds its images to a result that is `kept` in a folder. The verdict holds without them.
+fn add_images(
+    judged: &mut Judged,
+    (kept, folder): (&KeptResult, &ResultFolder),
+    run: &str,
+    suite: &Suite,
+) {
     if judged.result.cause != Cause::Golden {
         let case = suite.case(&judged.result.name);
         let golden = case.and_then(|case| Golden::read(&suite.store(), case).ok());
@@ -233,12 +236,11 @@ fn with_images(kept: &KeptResult, folder: &ResultFolder, run: &str, suite: &Suit
     }
     match folder.image(run, kept) {
         Ok(image) => judged.evidence.test = image,
-        Err(reason) => judged
-            .result
-            .notes
-            .push(format!("its image is missing: {reason}")),
+        Err(reason) => {
+            let note = format!("its image is missing: {reason}");
+            judged.result.notes.push(note);
+        }
     }
-    judged
 }
 
 /// Results of runs in the order of the suite, and by the names of runs; a case of several is named with its run.
@@ -284,7 +286,10 @@ fn by_case<'p>(of: &'p Parts<'_>) -> Result<BTreeMap<&'p str, OfCase<'p>>, Failu
                     let verdict = it.result.verdict.name();
                     format!("{verdict} in {}", folder.path().display())
                 });
-                return Err(contradiction(&format!("results of {name}"), &said));
+                let message = format!("two results of {name} differ: {}", said.join(", "));
+                let help = "the renderer, the images or the machine were not the same: leave out, or remove, the older \
+                            results";
+                return Err(Failure::new(Exit::BadInput, message, Some(help)));
             }
         }
     }
@@ -339,11 +344,7 @@ fn joined_self_test(
             None => missing.push((name, &of.missing)),
         }
     }
-    let which = match (missing.is_empty(), run.is_everything) {
-        (false, _) => SelfTestCases::Part,
-        (true, true) => SelfTestCases::Whole,
-        (true, false) => SelfTestCases::Selected,
-    };
+    let which = SelfTestCases::of(missing.is_empty(), run.is_everything);
     let test = SelfTest::of(&cases, &found, which);
     let mut value = report::self_test_json(&test);
     if !missing.is_empty() {
@@ -356,12 +357,6 @@ fn joined_self_test(
         text: arguments.files.json.instead_of(text, &value)?,
         exit: Exit::first_of([selftest::exit_of(&test)].into_iter().chain(undecided)),
     })
-}
-
-fn contradiction(two: &str, said: &[String; 2]) -> Failure {
-    let message = format!("two {two} differ: {}", said.join(", "));
-    let help = "the renderer, the images or the machine were not the same: leave out, or remove, the older results";
-    Failure::new(Exit::BadInput, message, Some(help))
 }
 
 /// Reason of a case without a result.

@@ -18,10 +18,7 @@ pub struct Selection {
 impl Selection {
     /// The suite. All its files count as inputs, even unread ones.
     pub fn open(&self) -> Result<Suite, Failure> {
-        let suite = match &self.folder {
-            Some(folder) => Suite::open(folder)?,
-            None => here_or_embedded()?,
-        };
+        let suite = open(self.folder.as_deref())?;
         suite.files().iter().for_each(|file| note_input(file));
         Ok(suite)
     }
@@ -48,7 +45,7 @@ impl Selection {
 
     /// True if the suite is that within the program.
     fn is_embedded(&self) -> bool {
-        self.folder.is_none() && named_suite().is_none() && !is_suite(Path::new(HERE))
+        folder_of(self.folder.as_deref()).is_none()
     }
 
     /// The command line that repeats `command` for one case of this suite.
@@ -79,19 +76,21 @@ fn named_suite() -> Option<PathBuf> {
     named.map(PathBuf::from)
 }
 
-fn is_suite(folder: &Path) -> bool {
-    folder.join("fixtures/cases").is_dir()
+/// Folder of the suite in use: the one `given`, else the one that the environment names, else the current one if it has a
+/// suite; `None` of the suite within the program.
+fn folder_of(given: Option<&Path>) -> Option<PathBuf> {
+    let here = Path::new(HERE);
+    let is_here = || here.join("fixtures/cases").is_dir();
+    let outside = given.map(Path::to_owned).or_else(named_suite);
+    outside.or_else(|| is_here().then(|| here.to_owned()))
 }
 
-/// The suite that the environment names, else that in the current folder, else that within the program.
-fn here_or_embedded() -> Result<Suite, Failure> {
-    if let Some(folder) = named_suite() {
-        return Ok(Suite::open(&folder)?);
+/// The suite in use.
+fn open(given: Option<&Path>) -> Result<Suite, Failure> {
+    match folder_of(given) {
+        Some(folder) => Ok(Suite::open(&folder)?),
+        None => embedded::open(),
     }
-    if is_suite(Path::new(HERE)) {
-        return Ok(Suite::open(Path::new(HERE))?);
-    }
-    embedded::open()
 }
 
 /// A scene that was named on the command line.
@@ -122,7 +121,7 @@ pub fn named_scene(given: &Path) -> Result<NamedScene, Failure> {
     };
     let parent = given.parent().filter(|parent| *parent != Path::new(""));
     let is_in_a_place = parent.is_some_and(Path::exists);
-    let suite = here_or_embedded()?;
+    let suite = open(None)?;
     let is_it = |case: &&Case| case.name == name || case.name.ends_with(&format!("/{name}"));
     let cases: Vec<&Case> = suite.cases().iter().filter(is_it).collect();
     match cases[..] {

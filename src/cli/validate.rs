@@ -3,7 +3,7 @@
 use super::command_line::command_line;
 use super::failure::{EXIT_CODES, Exit, Failure, bad_input, exit};
 use super::help::EXAMPLE_FIRST;
-use super::kept::{KeptResults, NAME, PartArguments, say_kept};
+use super::kept::{KeptResults, NAME, PartArguments};
 use super::known::{KnownArgument, KnownFile};
 use super::renderer::{Command, RendererArguments};
 use super::results::{Findings, ResultFiles};
@@ -189,9 +189,9 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
             }
             let passed_over = passed_over.into_iter().map(|(name, _)| name);
             let part: Vec<String> = cases.iter().map(name).chain(passed_over).collect();
-            let keep = |judged: &[Judged]| match &to_keep {
-                Some(kept) => kept.keep(&part, judged, &[]).map(|place| say_kept(&place)),
-                None => Ok(()),
+            let keep = |judged: &[Judged]| {
+                let kept = to_keep.as_ref();
+                kept.map_or(Ok(()), |kept| kept.keep(&part, judged, &[]))
             };
             if judged.is_empty() {
                 keep(&judged)?;

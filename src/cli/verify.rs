@@ -1,7 +1,7 @@
 //! `volref verify [FILTER…]`
 
 use super::failure::{EXIT_CODES, Failure, exit};
-use super::kept::{PartArguments, say_kept};
+use super::kept::PartArguments;
 use super::results::{Findings, ResultFiles};
 use super::threads::Threads;
 use super::{Outcome, output, progress};
@@ -63,7 +63,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         judged.evidence.reproduce = vec![again];
     }
     let names: Vec<String> = cases.iter().map(name).collect();
-    let kept = to_keep.map(|kept| kept.keep(&names, &judged, &[]));
+    let kept = to_keep.map_or(Ok(()), |kept| kept.keep(&names, &judged, &[]));
     if filters.is_empty() && part.partition.is_first() {
         judged.extend(judging::without_case(&suite)?);
     }
@@ -77,14 +77,10 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     };
     let results = findings.results();
     let text = in_words(&results, arguments.verbose);
-    match kept {
-        Some(Ok(place)) => say_kept(&place),
-        Some(Err(failure)) => {
-            // The verdicts hold all the same.
-            output::print(&text);
-            return Err(failure);
-        }
-        None => {}
+    if let Err(failure) = kept {
+        // The verdicts hold all the same.
+        output::print(&text);
+        return Err(failure);
     }
     Ok(Outcome {
         text: arguments.files.write(findings, text)?,

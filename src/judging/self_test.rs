@@ -192,6 +192,17 @@ pub enum SelfTestCases {
     Part,
 }
 
+impl SelfTestCases {
+    /// All parts of the selected cases, if they are there; everything, if no filter excludes a case.
+    pub fn of(has_all_parts: bool, is_everything: bool) -> SelfTestCases {
+        match (has_all_parts, is_everything) {
+            (false, _) => SelfTestCases::Part,
+            (true, true) => SelfTestCases::Whole,
+            (true, false) => SelfTestCases::Selected,
+        }
+    }
+}
+
 /// Runs the self-test on `cases`: outcomes of every mistake and of correct images in each. A quick one tries a mistake in
 /// the cases required to catch it, and in others until one does; and correct images in every fourth case.
 pub(crate) fn case_trials(

@@ -57,6 +57,11 @@ impl SrgbImage {
         &self.pixels
     }
 
+    /// A PNG image of the codes.
+    pub(crate) fn to_png(&self) -> Vec<u8> {
+        Film::codes_to_png(&self.pixels, self.width, self.height)
+    }
+
     /// An error unless `test` has the size of `self`, the reference.
     pub(super) fn require_same_size(&self, test: &Self) -> Result<(), FlipError> {
         let (reference, test) = ((self.width, self.height), (test.width, test.height));
