@@ -102,7 +102,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         row
     };
     let (rows, changes): (Vec<GalleryRow>, Vec<String>) = cases.par_iter().map(row).unzip();
-    bar.finish_and_clear();
+    drop(bar);
     let renderers: Vec<GalleryRenderer> = runs.into_iter().map(|run| run.renderer).collect();
     let page = gallery_html(&renderers, &families, &rows);
     output::write(&arguments.output, page.as_bytes())?;

@@ -63,10 +63,7 @@ fn overview(suite: &Suite, families: &[Family<'_>]) -> String {
         text.push_str(line.trim_end());
         text.push('\n');
     }
-    let cases = families
-        .iter()
-        .map(|family| family.cases.len())
-        .sum::<usize>();
+    let cases: usize = families.iter().map(|family| family.cases.len()).sum();
     text.push_str(&format!("\nIn all {}.\n", number_of(cases as u64, "case")));
     let core = suite.core();
     if !core.is_empty() {

@@ -96,9 +96,8 @@ fn root_of(folder: &Path) -> Result<PathBuf, Failure> {
         return Err(bad_input(format!("{} is not a folder", folder.display())));
     }
     let places = [folder.to_owned(), folder.join(KEPT)];
-    let root = places
-        .into_iter()
-        .find(|root| ResultFolder::open(root).path().is_dir());
+    let has_results = |root: &PathBuf| ResultFolder::open(root).path().is_dir();
+    let root = places.into_iter().find(has_results);
     root.ok_or_else(|| no_results(&format!("{} has no results", folder.display())))
 }
 
@@ -124,11 +123,8 @@ fn runs_of(folders: &[ResultFolder]) -> Result<Vec<Parts<'_>>, Failure> {
     if runs.is_empty() {
         return Err(no_results("there are no results in these folders"));
     }
-    if runs.len() > 1
-        && !runs
-            .values()
-            .all(|(run, _)| run.settings.contains_key(NAME))
-    {
+    let has_name = |(run, _): &(Run, PathBuf)| run.settings.contains_key(NAME);
+    if runs.len() > 1 && !runs.values().all(has_name) {
         let places = runs.values().map(|(_, place)| place.display().to_string());
         let mut places: Vec<String> = places.collect();
         places.sort();
@@ -137,10 +133,8 @@ fn runs_of(folders: &[ResultFolder]) -> Result<Vec<Parts<'_>>, Failure> {
             "the file run.json of each says what it judged; remove the folders of the other runs";
         return Err(Failure::new(Exit::BadInput, message, Some(help)));
     }
-    let runs = runs.into_iter();
-    Ok(runs
-        .map(|(id, (run, _))| Parts::of(id, run, folders))
-        .collect())
+    let parts = |(id, (run, _))| Parts::of(id, run, folders);
+    Ok(runs.into_iter().map(parts).collect())
 }
 
 /// Results of all parts, in the order of the cases; a missing one is a result that says so. Causes are those that the
@@ -162,7 +156,7 @@ fn joined_results(
             match of_cases.remove(name.as_str()) {
                 Some(Some((kept, folder))) => {
                     let mut judged = kept.clone().judged();
-                    if arguments.files.wants_evidence() {
+                    if arguments.files.page.is_asked() {
                         add_images(&mut judged, (kept, folder), &of.id, suite);
                     }
                     results.push(judged.result.clone());
@@ -172,13 +166,8 @@ fn joined_results(
                 None => missing.push((name, &of.missing)),
             }
         }
-        let settings = &of.run.settings;
-        loosened.push(JudgedWith::of(
-            settings,
-            profile.as_ref(),
-            skipped,
-            &results,
-        ));
+        let (settings, profile) = (&of.run.settings, profile.as_ref());
+        loosened.push(JudgedWith::of(settings, profile, skipped, &results));
     }
     let mut judged = in_order(found, suite);
     let is_verified = runs[0].run.command == "verify";
@@ -186,15 +175,13 @@ fn joined_results(
         judged.extend(judging::without_case(suite)?);
     }
     let results: Vec<CaseResult> = judged.iter().map(|of| of.result.clone()).collect();
-    let (found, judged_with) = (
-        Likenesses::of_results(&results),
-        JudgedWith::of_runs(loosened),
-    );
+    let found = Likenesses::of_results(&results);
+    let judged_with = JudgedWith::of_runs(loosened);
     let text = if is_verified {
         verify::in_words(&results, arguments.verbose)
     } else {
         let said = PrintedVerdicts {
-            speaks: !arguments.files.prints_json(),
+            speaks: !arguments.files.json.is_printed(),
             widest: report::widest(results.iter().map(|result| &result.name)),
             folds_missing: !arguments.verbose,
             waits: false,
@@ -211,11 +198,10 @@ fn joined_results(
     }
     let findings = Findings {
         command: if is_verified { "verify" } else { "validate" },
-        has_known: false,
         judged,
         found,
         judged_with,
-        origin: None,
+        ..Findings::default()
     };
     let exit = exit(&findings.results());
     let text = arguments.files.write(findings, text)?;

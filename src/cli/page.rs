@@ -18,6 +18,7 @@ pub struct ReportPage {
 }
 
 impl ReportPage {
+    /// True if a page is asked for, which shows the images behind the results.
     pub fn is_asked(&self) -> bool {
         self.report.is_some()
     }

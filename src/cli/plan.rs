@@ -2,7 +2,7 @@
 
 use super::failure::{Failure, bad_input};
 use super::output::{self, Json};
-use super::suite::scene_file;
+use super::suite::named_scene;
 use super::{Outcome, progress};
 use crate::render::counters::Event;
 use crate::render::plan::{Estimator, PlanError};
@@ -49,7 +49,7 @@ fn plan_for<'s>(panel: &'s Panel, names: &[String]) -> Result<Plan<'s>, PlanErro
 
 /// Runs the command.
 pub fn run(mut arguments: Arguments) -> Result<Outcome, Failure> {
-    arguments.scene = scene_file(&arguments.scene)?;
+    arguments.scene = named_scene(&arguments.scene)?.file;
     let outputs = [arguments.json.file()];
     output::check(&outputs, &[&arguments.scene])?;
     let read = || Scene::load(&arguments.scene);
@@ -65,7 +65,6 @@ pub fn run(mut arguments: Arguments) -> Result<Outcome, Failure> {
     if arguments.counters {
         let bar = progress::image("counting");
         let rendering = render::render(&plans, Sampling::default(), &bar);
-        bar.finish_and_clear();
         work = rendering.map_err(bad_input)?.work;
     }
     let (width, height) = (scene.width(), scene.height());

@@ -41,7 +41,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let bar = progress::counted(self_test_steps(cases.len()));
     let which = SelfTestCases::of(part.partition.is_whole(), filters.is_empty());
     let found = case_trials(&cases, &store, arguments.quick, &|step| bar.show(step));
-    bar.finish_and_clear();
+    drop(bar);
     if let Some(kept) = to_keep {
         let names: Vec<String> = cases.iter().map(name).collect();
         kept.keep(&names, &[], &found)?;

@@ -3,7 +3,7 @@
 use super::failure::{Failure, bad_input};
 use super::output::{self, Json};
 use super::render::format_of;
-use super::suite::scene_file;
+use super::suite::named_scene;
 use super::threads::Threads;
 use super::{Outcome, progress};
 use crate::film::{Film, FilmFormat};
@@ -68,7 +68,7 @@ fn positive(text: &str) -> Result<f64, String> {
 
 /// Runs the command.
 pub fn run(mut arguments: Arguments) -> Result<Outcome, Failure> {
-    arguments.scene = scene_file(&arguments.scene)?;
+    arguments.scene = named_scene(&arguments.scene)?.file;
     let outputs = [arguments.output.as_deref(), arguments.json.file()];
     output::check(&outputs, &[&arguments.scene])?;
     let scene = progress::during("reading the scene", || Scene::load(&arguments.scene))?;

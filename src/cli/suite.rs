@@ -103,11 +103,6 @@ pub struct NamedScene {
     pub exposure: Option<f64>,
 }
 
-/// The file of the [`named_scene`].
-pub fn scene_file(given: &Path) -> Result<PathBuf, Failure> {
-    named_scene(given).map(|scene| scene.file)
-}
-
 /// The scene that `given` names: a file, or a case of the suite.
 pub fn named_scene(given: &Path) -> Result<NamedScene, Failure> {
     let as_given = Ok(NamedScene {

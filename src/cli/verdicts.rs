@@ -175,7 +175,6 @@ impl CauseSearch {
             progress: &|step| progress::mistake(&bar, step),
         };
         let found = likeness(cases, profile, judged, &search);
-        bar.finish_and_clear();
         let text = report::likely_text(&found, self.seconds);
         (found, text)
     }

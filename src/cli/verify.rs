@@ -6,8 +6,7 @@ use super::results::{Findings, ResultFiles};
 use super::threads::Threads;
 use super::{Outcome, output, progress};
 use crate::judging;
-use crate::judging::{CaseResult, Evidence, JudgedWith, Verdict};
-use crate::naming::Likenesses;
+use crate::judging::{CaseResult, Evidence, Verdict};
 use crate::report;
 use crate::suite::Case;
 use std::collections::BTreeMap;
@@ -41,7 +40,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let name = |case: &&Case| case.name.clone();
     part.partition.retain(&mut cases, name)?;
     let store = suite.store();
-    let shows = to_keep.is_some() || arguments.files.wants_evidence();
+    let shows = to_keep.is_some() || arguments.files.page.is_asked();
     let mut judged = arguments.threads.run(|| {
         let bar = progress::counted(cases.len());
         let verified = cases.iter().map(|case| {
@@ -53,9 +52,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
             bar.end_part();
             judged
         });
-        let judged: Vec<_> = verified.collect();
-        bar.finish_and_clear();
-        judged
+        verified.collect::<Vec<_>>()
     })?;
 
     for judged in &mut judged {
@@ -70,10 +67,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let findings = Findings {
         command: "verify",
         judged,
-        found: Likenesses::default(),
-        judged_with: JudgedWith::default(),
-        has_known: false,
-        origin: None,
+        ..Findings::default()
     };
     let results = findings.results();
     let text = in_words(&results, arguments.verbose);
