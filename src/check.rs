@@ -63,13 +63,8 @@ pub fn check_within(case: &str, image: &Film, seconds: f64) -> Result<CaseResult
     let suite = Suite::bundled()?;
     let cases = suite.select(&[case.to_owned()])?;
     let store = suite.store();
-    let picture = Picture::Radiance(image.clone());
-    let mut judged = [validate(
-        cases[0],
-        &store,
-        Output::Picture(Box::new(picture)),
-        None,
-    )];
+    let output = Output::Picture(Box::new(Picture::Radiance(image.clone())));
+    let mut judged = [validate(cases[0], &store, output, None)];
     ConventionSearch::default().explain_mismatch(cases[0], &store, &mut judged[0], seconds, false);
     let search = Search {
         budget: Some(Duration::from_secs_f64(seconds)),

@@ -63,10 +63,8 @@ pub struct Arguments {
 
 /// A percentage above 0 and below 100.
 pub fn percent(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(percent) if percent > 0.0 && percent < 100.0 => Ok(percent),
-        _ => Err("a resolution is a percentage above 0 and below 100".to_owned()),
-    }
+    let expected = "a resolution is a percentage above 0 and below 100";
+    output::number(text, |it| it > 0.0 && it < 100.0, expected)
 }
 
 /// Names of the gates, and the pairs of images for which each is the default.
@@ -218,9 +216,6 @@ pub fn heatmap(reference: &Picture, test: &Picture, exposure: f64) -> Result<Vec
     let srgb = |picture: &Picture| picture.srgb(exposure).map_err(bad_input);
     let errors = flip(&srgb(reference)?, &srgb(test)?, DEFAULT_PIXELS_PER_DEGREE)
         .map_err(|error| bad_input(format!("no heat map: {error}")))?;
-    Ok(Film::codes_to_png(
-        &magma(&errors),
-        errors.width(),
-        errors.height(),
-    ))
+    let (width, height) = (errors.width(), errors.height());
+    Ok(Film::codes_to_png(&magma(&errors), width, height))
 }

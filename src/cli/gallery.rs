@@ -10,7 +10,9 @@ use crate::judging::{
     CaseResult, Cause, Evidence, Judged, KnownFailures, Verdict, before_background, declared,
     validate_at,
 };
-use crate::report::{GalleryAbout, GalleryRenderer, GalleryRow, gallery_html, gallery_row};
+use crate::report::{
+    GalleryAbout, GalleryRenderer, GalleryRow, gallery_html, gallery_row, number_of,
+};
 use crate::suite::{Case, Golden, Outputs, Store, Suite};
 use rayon::prelude::*;
 use serde::Deserialize;
@@ -83,17 +85,10 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         .collect::<Result<_, _>>()?;
     // Now that the inputs are known.
     output::check(&[Some(&arguments.output)], &[])?;
-    let has = |run: &RendererRun, case: &Case| run.result(case).is_some();
-    let cases: Vec<&Case> = suite
-        .cases()
-        .iter()
-        .filter(|case| runs.iter().any(|run| has(run, case)))
-        .collect();
+    let has_result = |case: &&Case| runs.iter().any(|run| run.result(case).is_some());
+    let cases: Vec<&Case> = suite.cases().iter().filter(has_result).collect();
     let families = suite.families(&cases);
-    let cases: Vec<&Case> = families
-        .iter()
-        .flat_map(|family| family.cases.iter().copied())
-        .collect();
+    let cases: Vec<&Case> = families.iter().flat_map(|it| it.cases.clone()).collect();
     let store = suite.store();
     let bar = progress::counted(cases.len());
     let row = |case: &&Case| {
@@ -109,8 +104,8 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     Ok(Outcome::from(format!(
         "{}: {}, {}, {:.1} MB\n{}",
         arguments.output.display(),
-        output::number_of(renderers.len() as u64, "renderer"),
-        output::number_of(rows.len() as u64, "case"),
+        number_of(renderers.len(), "renderer"),
+        number_of(rows.len(), "case"),
         page.len() as f64 / 1e6,
         changes.concat(),
     )))
@@ -157,23 +152,20 @@ impl RendererRun {
         outputs.files().for_each(note_input);
         let absolute = std::path::absolute(folder).map_err(bad_input)?;
         let own_name = absolute.file_name().unwrap_or(absolute.as_os_str());
+        let own_name = || own_name.to_string_lossy().into_owned();
         let in_file = |error| bad_input(format!("{}: {error}", file.display()));
         let known_file = folder.join(KNOWN);
-        let shown = known_file.display().to_string();
         let known = match known_file.exists() {
-            true => Some(KnownFailures::parse(
-                &text_of(&known_file)?,
-                &shown,
-                suite,
-                false,
-            )?),
+            true => {
+                let (text, shown) = (text_of(&known_file)?, known_file.display().to_string());
+                Some(KnownFailures::parse(&text, &shown, suite, false)?)
+            }
             false => None,
         };
         let profile = results.origin.profile.as_deref().map(Profile::named);
         let bits = results.origin.bits.map(|bits| bits.parse());
         let alpha = results.origin.alpha.map(|alpha| alpha.parse());
-        let own_name = || own_name.to_string_lossy().into_owned();
-        about.name = about.name.or_else(|| Some(own_name()));
+        about.name.get_or_insert_with(own_name);
         about.command = about.command.or(results.origin.command);
         about.machine = about.machine.or(results.origin.machine);
         Ok(RendererRun {
@@ -245,9 +237,7 @@ impl RendererRun {
     /// True if the page may link to it: an address of the web, or a file beside the page.
     fn leads(&self, link: &str) -> bool {
         let (file, _) = link.split_once('#').unwrap_or((link, ""));
-        let is_web = ["https://", "http://"]
-            .iter()
-            .any(|begin| link.starts_with(begin));
+        let is_web = link.starts_with("https://") || link.starts_with("http://");
         is_web || (!file.is_empty() && self.page.join(file).exists())
     }
 

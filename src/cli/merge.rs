@@ -5,7 +5,7 @@ use super::failure::{EXIT_CODES, Exit, Failure, bad_input, exit};
 use super::kept::NAME;
 use super::results::{Findings, ResultFiles};
 use super::selftest::{self, SELF_TEST};
-use super::suite::{KEPT, Selection};
+use super::suite::Selection;
 use super::verdicts::PrintedVerdicts;
 use super::verify;
 use crate::compare::Gate;
@@ -17,7 +17,7 @@ use crate::judging::{
 };
 use crate::naming::Likenesses;
 use crate::report;
-use crate::suite::{Case, Golden, Suite};
+use crate::suite::{CACHE, Case, Golden, Suite};
 use serde_json::json;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -95,7 +95,7 @@ fn root_of(folder: &Path) -> Result<PathBuf, Failure> {
     if !folder.is_dir() {
         return Err(bad_input(format!("{} is not a folder", folder.display())));
     }
-    let places = [folder.to_owned(), folder.join(KEPT)];
+    let places = [folder.to_owned(), folder.join(CACHE)];
     let has_results = |root: &PathBuf| ResultFolder::open(root).path().is_dir();
     let root = places.into_iter().find(has_results);
     root.ok_or_else(|| no_results(&format!("{} has no results", folder.display())))

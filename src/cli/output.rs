@@ -315,18 +315,14 @@ pub fn make_folder(folder: &Path) -> Result<(), Failure> {
     check_no_goldens_in(folder)
 }
 
-/// A number with its noun: `1 unit`, `2 units`.
-pub fn number_of(number: u64, noun: &str) -> String {
-    match number {
-        1 => format!("1 {noun}"),
-        _ => format!("{number} {noun}s"),
-    }
+/// A number on the command line that `is_right`; else what was `expected`.
+pub fn number(text: &str, is_right: impl Fn(f64) -> bool, expected: &str) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|number| is_right(*number));
+    number.ok_or_else(|| expected.to_owned())
 }
 
 /// Exposure on the command line, in stops.
 pub fn stops(text: &str) -> Result<f64, String> {
-    match text.parse() {
-        Ok(stops) if f64::abs(stops) <= 64.0 => Ok(stops),
-        _ => Err("an exposure is a number of stops from -64 to 64, such as -1.5".to_owned()),
-    }
+    let expected = "an exposure is a number of stops from -64 to 64, such as -1.5";
+    number(text, |stops| stops.abs() <= 64.0, expected)
 }

@@ -114,7 +114,6 @@ fn described(plan: &Plan<'_>, work: Option<&Counters>, text: &mut String) -> Val
         "effects": plan.decisions,
         "warnings": plan.warnings,
         "rays": rays,
-        "defaults": [],
     });
     describe_volumes(panel, text, &mut json);
     let mut section = |title: &str, lines: Vec<String>| {
@@ -146,7 +145,7 @@ fn described(plan: &Plan<'_>, work: Option<&Counters>, text: &mut String) -> Val
     let defaults = panel.readings.iter();
     let defaults = defaults.filter(|reading| reading.origin != Origin::Given);
     let widest = widest(defaults.clone().map(|reading| &reading.key));
-    let mut lines = Vec::new();
+    let (mut lines, mut entries) = (Vec::new(), Vec::new());
     for Reading { key, value, origin } in defaults {
         let mut default = json!({ "key": key, "value": value });
         let mut line = format!("{key:<widest$}  {value}");
@@ -154,12 +153,10 @@ fn described(plan: &Plan<'_>, work: Option<&Counters>, text: &mut String) -> Val
             default["rule"] = json!(rule);
             line.push_str(&format!("  ({rule})"));
         }
-        json["defaults"]
-            .as_array_mut()
-            .expect("it begins so")
-            .push(default);
+        entries.push(default);
         lines.push(line);
     }
+    json["defaults"] = json!(entries);
     if lines.is_empty() {
         lines.push("none".to_owned());
     }

@@ -3,7 +3,7 @@
 use super::embedded;
 use super::failure::{Exit, Failure};
 use crate::files::regular_file::note_input;
-use crate::suite::{Case, SUITE_VARIABLE, Suite, SuiteError};
+use crate::suite::{CACHE, Case, SUITE_VARIABLE, Suite, SuiteError};
 use std::path::{Path, PathBuf};
 
 /// The selected cases of a suite.
@@ -38,7 +38,7 @@ impl Selection {
     /// current folder.
     pub fn kept_folder(&self, suite: &Suite) -> PathBuf {
         match self.is_embedded() {
-            true => Path::new(HERE).join(KEPT),
+            true => Path::new(HERE).join(CACHE),
             false => suite.cache_folder(),
         }
     }
@@ -50,25 +50,17 @@ impl Selection {
 
     /// The command line that repeats `command` for one case of this suite.
     pub fn again(&self, command: &str, case: &str, arguments: &[String]) -> String {
-        let words = ["volref", command, case].map(str::to_owned).into_iter();
-        let words: Vec<String> = words.chain(self.words()).collect();
-        shell_words::join(words.iter().chain(arguments))
-    }
-
-    /// The arguments that name this suite.
-    pub fn words(&self) -> Vec<String> {
+        let mut words = ["volref", command, case].map(str::to_owned).to_vec();
         // Whoever repeats the command may have another environment.
-        let folder = self.folder.clone().or_else(named_suite);
-        let words = folder.map(|folder| ["--suite".to_owned(), folder.display().to_string()]);
-        words.into_iter().flatten().collect()
+        if let Some(folder) = self.folder.clone().or_else(named_suite) {
+            words.extend(["--suite".to_owned(), folder.display().to_string()]);
+        }
+        shell_words::join(words.iter().chain(arguments))
     }
 }
 
 /// The current folder.
 const HERE: &str = ".";
-
-/// Folder for results, and for renderings until they are accepted.
-pub const KEPT: &str = ".volref";
 
 /// The folder that the environment variable [`VOLREF_SUITE`](SUITE_VARIABLE) names.
 fn named_suite() -> Option<PathBuf> {

@@ -45,7 +45,7 @@ impl PrintedVerdicts {
         match results.iter().filter(|result| self.folds(result)).count() {
             0 => String::new(),
             count => {
-                let cases = output::number_of(count as u64, "case");
+                let cases = report::number_of(count, "case");
                 format!("{cases} without an image; --verbose lists them\n")
             }
         }
@@ -73,12 +73,8 @@ impl ExplainArgument {
 
 /// A time limit for the search: not negative, and finite.
 fn search_time(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(seconds) if (0.0..=1e9).contains(&seconds) => Ok(seconds),
-        _ => Err(
-            "the time for a search is a number of seconds up to 1e9; 0 means no search".to_owned(),
-        ),
-    }
+    let expected = "the time for a search is a number of seconds up to 1e9; 0 means no search";
+    output::number(text, |it| (0.0..=1e9).contains(&it), expected)
 }
 
 /// The search for the causes of failures: conventions first, then mistakes.

@@ -84,11 +84,8 @@ impl Concentration {
         let of_sample = |film: &Film| -> Option<Vec<f64>> {
             let samples = film.samples()? as f64;
             let variances = film.noise()?.variance().iter();
-            Some(
-                variances
-                    .map(|pixel| samples * pixel.map(f64::from).iter().sum::<f64>())
-                    .collect(),
-            )
+            let sums = variances.map(|pixel| pixel.map(f64::from).iter().sum::<f64>());
+            Some(sums.map(|sum| samples * sum).collect())
         };
         let (one, other) = (of_sample(one)?, of_sample(other)?);
         if one.len() != other.len() {

@@ -97,17 +97,22 @@ impl CheckedGolden {
         })
     }
 
-    /// Adds the kept sensitivities of a stochastic `case`, by which images of other renderers are
+    /// [Loads](Self::load) also the kept sensitivities of a stochastic `case`, by which images of other renderers are
     /// judged.
-    pub fn with_sensitivities(mut self, case: &Case) -> Result<CheckedGolden, CaseResult> {
-        let kept = self.golden.sensitivities.as_deref();
+    pub fn load_with_sensitivities(
+        case: &Case,
+        store: &Store,
+    ) -> Result<CheckedGolden, CaseResult> {
+        let mut checked = CheckedGolden::load(case, store)?;
+        let kept = checked.golden.sensitivities.as_deref();
         if let Some(bytes) = kept.filter(|_| case.sampling.is_some()) {
-            self.sensitivities = sensitivities::decoded(bytes, &self.scene).map_err(|fault| {
+            let sensitivities = sensitivities::decoded(bytes, &checked.scene);
+            checked.sensitivities = sensitivities.map_err(|fault| {
                 let reason = GoldenError::sensitivities(case, fault).to_string();
                 CaseResult::new(Verdict::Error, Cause::Golden, reason)
             })?;
         }
-        Ok(self)
+        Ok(checked)
     }
 
     /// The scene under the conventions of `profile`, with its image in place of the golden; unchanged

@@ -70,10 +70,8 @@ impl CaseTrials {
     }
 
     fn trial(&self, mistake: &str) -> Trial {
-        self.mistakes
-            .get(mistake)
-            .copied()
-            .unwrap_or(Trial::NotTried)
+        let trial = self.mistakes.get(mistake);
+        trial.copied().unwrap_or(Trial::NotTried)
     }
 }
 
@@ -99,14 +97,14 @@ pub struct BenignTrials {
 
 impl BenignTrials {
     fn of(variant: &'static str, found: &[&CaseTrials]) -> BenignTrials {
-        let of_variant = found.iter().map(|of| of.benign.get(variant));
+        let accepts = |of: &&&CaseTrials| of.benign.get(variant) == Some(&None);
         let rejected = found.iter().filter_map(|of| {
             let reason = of.benign.get(variant)?.as_ref()?;
             Some(Rejection::new(&of.case, reason))
         });
         BenignTrials {
             variant,
-            accepted: of_variant.filter(|it| *it == Some(&None)).count(),
+            accepted: found.iter().filter(accepts).count(),
             rejected: rejected.collect(),
         }
     }
@@ -312,8 +310,7 @@ pub(crate) struct Subject<'c> {
 
 impl<'c> Subject<'c> {
     pub fn new(case: &'c Case, store: &Store) -> Result<Subject<'c>, String> {
-        let checked = CheckedGolden::load(case, store);
-        let checked = checked.and_then(|checked| checked.with_sensitivities(case));
+        let checked = CheckedGolden::load_with_sensitivities(case, store);
         let checked = checked.map_err(|finding| finding.reason)?;
         let samples = case.sampling.map_or(1, |sampling| sampling.quick);
         Ok(Subject {

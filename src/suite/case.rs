@@ -25,8 +25,8 @@ const CASES: &str = "fixtures/cases";
 const GOLDEN: &str = "golden";
 /// Folder for the results of other renderers, among the goldens.
 const PEERS: &str = "peers";
-/// Folder for renderings of an interrupted accept.
-const CACHE: &str = ".volref";
+/// Folder for results until they are joined.
+pub(crate) const CACHE: &str = ".volref";
 
 /// The default of `mean_resolution` in [`MANIFEST`]: bias of the mean of an image that a case must
 /// detect, relative to that mean plus [`DARK`](crate::compare::stochastic::DARK). Wrong factors are
@@ -368,7 +368,7 @@ impl Suite {
         self.root.join(CASES).join(format!("{}.toml", case.name))
     }
 
-    /// Folder for renderings until they are accepted, and for results until they are joined.
+    /// Folder for results until they are joined.
     pub(crate) fn cache_folder(&self) -> PathBuf {
         self.root.join(CACHE)
     }
@@ -393,13 +393,6 @@ impl Suite {
     /// the rest of it matches; where all do, they leave the others of all cases. A filter without a match, or
     /// filters that leave nothing, are an error: a check that silently checks nothing is worse than none.
     pub fn select(&self, filters: &[String]) -> Result<Vec<&Case>, SuiteError> {
-        let chosen = self.chosen(filters)?;
-        let cases = self.cases.iter().filter(|case| chosen.has(&case.name));
-        Ok(cases.collect())
-    }
-
-    /// Names that the filters choose among those of the cases.
-    fn chosen(&self, filters: &[String]) -> Result<Chosen, SuiteError> {
         let no_match = |filter: &str, help| SuiteError::NoMatch {
             filter: filter.to_owned(),
             help,
@@ -417,14 +410,11 @@ impl Suite {
             };
             let help = "a filter is a family, a case, or a pattern over them such as 'figures/*'; with ! before it, it \
                         excludes";
-            return Err(SuiteError::refused(
-                format!("{filter:?} is not a pattern: {reason}"),
-                help,
-            ));
+            let message = format!("{filter:?} is not a pattern: {reason}");
+            return Err(SuiteError::refused(message, help));
         }
-        let chosen = Chosen(filters.to_vec());
-        let is_chosen = |(name, _): &&(String, PathBuf)| chosen.has(name);
-        if let Some((_, path)) = self.unreadable.iter().find(is_chosen) {
+        let mut unreadable = self.unreadable.iter();
+        if let Some((_, path)) = unreadable.find(|(name, _)| is_chosen(filters, name)) {
             read_manifest(path).map_err(SuiteError::Manifest)?;
         }
         if filters.is_empty() && self.cases.is_empty() {
@@ -437,7 +427,9 @@ impl Suite {
                 return Err(no_match(filter, self.nearest(filter)));
             }
         }
-        if !self.names().any(|name| chosen.has(name)) {
+        let cases = self.cases.iter();
+        let chosen: Vec<&Case> = cases.filter(|it| is_chosen(filters, &it.name)).collect();
+        if chosen.is_empty() {
             let help = "what the filters name is excluded by those that begin with !";
             return Err(no_match(&filters.join(" "), help.to_owned()));
         }
@@ -482,18 +474,13 @@ fn suite_option(root: &Path) -> String {
     }
 }
 
-/// Names chosen by filters: everything where none names any, but for what is excluded.
-struct Chosen(Vec<String>);
-
-impl Chosen {
-    /// True if the case or row of this name is among it.
-    fn has(&self, name: &str) -> bool {
-        let is_match = |filter: &&String| matches(pattern_of(filter), name);
-        let (excluding, naming): (Vec<_>, Vec<_>) =
-            self.0.iter().partition(|filter| filter.starts_with('!'));
-        let is_named = naming.is_empty() || naming.iter().any(is_match);
-        is_named && !excluding.iter().any(is_match)
-    }
+/// True if the filters choose the case of this name: each one where none names any, but for those that are excluded.
+fn is_chosen(filters: &[String], name: &str) -> bool {
+    let is_match = |filter: &&String| matches(pattern_of(filter), name);
+    let (excluding, naming): (Vec<_>, Vec<_>) =
+        filters.iter().partition(|filter| filter.starts_with('!'));
+    let is_named = naming.is_empty() || naming.iter().any(is_match);
+    is_named && !excluding.iter().any(is_match)
 }
 
 /// The pattern of a filter, without the `!` of one that excludes.
@@ -501,7 +488,7 @@ fn pattern_of(filter: &str) -> &str {
     filter.strip_prefix('!').unwrap_or(filter)
 }
 
-/// True if a pattern names a case or row. Its `*` stands for slashes, too, unlike that of the crate.
+/// True if a pattern names a case. Its `*` stands for slashes, too, unlike that of the crate.
 fn matches(pattern: &str, name: &str) -> bool {
     let without_slashes = |text: &str| text.replace('/', ":");
     let is_match = |text| fast_glob::glob_match(without_slashes(pattern), without_slashes(text));

@@ -61,16 +61,14 @@ impl<'a> Views<'a> {
         }
     }
 
-    /// Golden and test image, where they are of one size and both radiance.
-    pub(super) fn films(&self) -> Option<(&'a Film, &'a Film)> {
-        let (golden, test) = self.pair?;
-        Some((golden, test.radiance()?))
-    }
-
     /// The unit in which the gate shows the difference.
     pub(super) fn difference_scale(&self, gate: Gate) -> DifferenceScale {
-        let scale = |(golden, test)| DifferenceScale::of(gate, golden, test);
-        self.films().map_or(DifferenceScale::Radiance, scale)
+        let films = self
+            .pair
+            .and_then(|(golden, test)| Some((golden, test.radiance()?)));
+        films.map_or(DifferenceScale::Radiance, |(golden, test)| {
+            DifferenceScale::of(gate, golden, test)
+        })
     }
 
     /// Everything that the script needs, packed by [`pixels`]; nothing where there is no image.
@@ -150,19 +148,16 @@ fn shown<'a, T>(
 
 /// Test minus golden, of radiance or of codes.
 fn differences(golden: &Film, test: &Picture, exposure: f64) -> Vec<[f32; 3]> {
+    fn of<T: Copy + Into<f64>>(golden: &[[T; 3]], test: &[[T; 3]]) -> Vec<[f32; 3]> {
+        let pixels = golden.iter().zip(test);
+        let difference = |a: T, b: T| (b.into() - a.into()) as f32;
+        pixels
+            .map(|(a, b)| [0, 1, 2].map(|c| difference(a[c], b[c])))
+            .collect()
+    }
     match test {
-        Picture::Radiance(test) => golden
-            .radiance()
-            .iter()
-            .zip(test.radiance())
-            .map(|(a, b)| [0, 1, 2].map(|c| (f64::from(b[c]) - f64::from(a[c])) as f32))
-            .collect(),
-        Picture::Codes(test) => golden
-            .srgb_codes(exposure)
-            .iter()
-            .zip(test.pixels())
-            .map(|(a, b)| [0, 1, 2].map(|c| f32::from(b[c]) - f32::from(a[c])))
-            .collect(),
+        Picture::Radiance(test) => of(golden.radiance(), test.radiance()),
+        Picture::Codes(test) => of(&golden.srgb_codes(exposure), test.pixels()),
     }
 }
 
