@@ -138,8 +138,8 @@ impl RendererRun {
             let what = format!("its schema is {:?}", results.schema);
             return refused(what, "a gallery is made of results of `volref validate`");
         }
-        let names: Vec<&str> = suite.cases().iter().map(|case| &*case.name).collect();
-        if let Some(unknown) = results.cases.iter().find(|of| !names.contains(&&*of.name)) {
+        let mut kept = results.cases.iter();
+        if let Some(unknown) = kept.find(|of| suite.case(&of.name).is_none()) {
             let what = format!("the suite has no case {:?}", unknown.name);
             return refused(what, "name the suite by which it was judged: --suite DIR");
         }
@@ -148,6 +148,7 @@ impl RendererRun {
             true => read(&about_file, |text| toml::from_str(text))?,
             false => GalleryAbout::default(),
         };
+        let names: Vec<&str> = suite.cases().iter().map(|case| &*case.name).collect();
         let outputs = Outputs::list(folder, &names).map_err(bad_input)?;
         outputs.files().for_each(note_input);
         let absolute = std::path::absolute(folder).map_err(bad_input)?;

@@ -19,6 +19,7 @@ use crate::suite::rendering::{CaseRendering, Render, check_class, render_case};
 use crate::suite::{Case, ConvergedSampling, GoldenError, Quick, Store, StoreError, sensitivities};
 use miette::Diagnostic;
 use std::fmt::Display;
+use std::path::PathBuf;
 use thiserror::Error;
 
 /// What became of the golden of one case.
@@ -375,15 +376,13 @@ fn is_of(golden: &Golden, scene: &Scene) -> bool {
     made_from.scene == scene_hash(scene) && made_from.inputs == input_hashes(scene)
 }
 
-type GoldenFiles = Vec<(std::path::PathBuf, Vec<u8>)>;
-
 /// The change of the golden of a case, and the files that make it.
 fn prepare(
     task: &LoadedCase<'_>,
     golden: GoldenImage,
     store: &Store,
     reason: &str,
-) -> Result<(Accepted, GoldenFiles), AcceptError> {
+) -> Result<(Accepted, Vec<(PathBuf, Vec<u8>)>), AcceptError> {
     let LoadedCase { case, scene, .. } = task;
     let plans = plans(scene);
     let changed = |change, detail: &str| Accepted {

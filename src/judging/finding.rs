@@ -10,7 +10,6 @@ use crate::suite::golden::{accept_advice, plan_hash, scene_hash, short};
 use crate::suite::rendering::check_class;
 use crate::suite::sensitivities;
 use crate::suite::{Case, Golden, GoldenError, Quick, Store};
-use std::collections::BTreeMap;
 
 /// A result, and the images behind it.
 #[derive(Clone, Debug)]
@@ -234,11 +233,11 @@ fn stale(case: &Case, scene: &Scene, golden: &Golden) -> Option<String> {
         ),
         (provenance.exposure != case.exposure, "exposure of the case"),
     ];
-    let key = changed_key(&provenance.judged_by, &case.judged_by);
-    let changed = changes
-        .into_iter()
-        .find_map(|(is_changed, what)| is_changed.then_some(what));
-    let changed = changed.map(str::to_owned);
+    let (recorded, now) = (&provenance.judged_by, &case.judged_by);
+    let mut keys = recorded.keys().chain(now.keys());
+    let key = keys.find(|key| recorded.get(*key) != now.get(*key));
+    let changed = changes.into_iter().find(|(is_changed, _)| *is_changed);
+    let changed = changed.map(|(_, what)| what.to_owned());
     let what = match changed.or_else(|| Some(format!("{} of the case", key?))) {
         Some(what) => format!("the {what} has changed since the golden was accepted"),
         None if MARGIN * provenance.error_estimate > resolution => {
@@ -253,16 +252,6 @@ fn stale(case: &Case, scene: &Scene, golden: &Golden) -> Option<String> {
         None => return None,
     };
     Some(format!("stale: {what}; {}", accept_advice(case)))
-}
-
-/// The first key that one of them lacks or has with another value.
-fn changed_key<'k>(
-    recorded: &'k BTreeMap<String, String>,
-    now: &'k BTreeMap<String, String>,
-) -> Option<&'k str> {
-    let mut keys = recorded.keys().chain(now.keys());
-    let changed = keys.find(|key| recorded.get(*key) != now.get(*key));
-    changed.map(String::as_str)
 }
 
 /// True if the renderings that the golden records are those of another class.

@@ -92,11 +92,6 @@ impl KeptResult {
 
 const SCHEMA: &str = "volref/part/1";
 
-/// The file of a part with these cases within the folder of its run.
-fn part_file(cases: &[String]) -> String {
-    format!("{}.json", short(&hash(cases)))
-}
-
 /// Name of a folder of results.
 const RESULTS: &str = "results";
 
@@ -179,7 +174,8 @@ impl ResultFolder {
             trials,
             cases,
         };
-        write(&folder.join(part_file(&part.cases)), &part)?;
+        let name = format!("{}.json", short(&hash(&part.cases)));
+        write(&folder.join(name), &part)?;
         Ok(folder)
     }
 

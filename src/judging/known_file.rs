@@ -88,7 +88,7 @@ impl KnownFailures {
             let text_of_name: &str = name.get_ref();
             let cases = cases_named(suite, text_of_name)
                 .map_err(|(message, help)| at_name(message, help))?;
-            let line = line_at(text, name.span().start);
+            let line = 1 + text[..name.span().start].matches('\n').count();
             let entry = entry(&document, text_of_name, value, (line, cases))?;
             if entry.reason.trim().is_empty() && !may_lack_reasons {
                 let message = format!("the known failure {text_of_name:?} has no reason");
@@ -331,9 +331,4 @@ fn in_words(keys: &Keys) -> String {
     let some = keys.iter();
     let some = some.filter_map(|(key, value)| Some(format!("{key} = {}", value.as_ref()?)));
     some.collect::<Vec<_>>().join(", ")
-}
-
-/// The line, from 1, of the byte at `offset`.
-fn line_at(text: &str, offset: usize) -> usize {
-    1 + text[..offset].matches('\n').count()
 }

@@ -57,6 +57,7 @@ const TEMPLATE: Template = Template {
 pub fn results_html(page: &Page<'_>) -> String {
     let none = Evidence::default();
     let mut order: Vec<usize> = (0..page.results.len()).collect();
+    let rank = |verdict: Verdict| ORDER.iter().position(|&other| other == verdict);
     order.sort_by_key(|&index| rank(page.results[index].verdict));
     let cases: Vec<Value> = order
         .par_iter()
@@ -108,10 +109,6 @@ const ORDER: [Verdict; 6] = [
     Verdict::Error,
     Verdict::Pass,
 ];
-
-fn rank(verdict: Verdict) -> Option<usize> {
-    ORDER.iter().position(|&other| other == verdict)
-}
 
 /// The conventions behind images, with the number of cases; those of most cases first.
 fn conventions(results: &[CaseResult]) -> Vec<Value> {

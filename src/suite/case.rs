@@ -85,8 +85,9 @@ pub struct Case {
     pub family: String,
     /// Scene file.
     pub scene: PathBuf,
-    /// Folder of its suite; empty for the current one.
-    suite: PathBuf,
+    /// The arguments that name its suite in a command, with a blank before them; none where it is the current folder or
+    /// the embedded one.
+    pub(crate) suite_option: String,
     /// Document and figure that the case reproduces.
     pub source: String,
     /// Features of a correct image.
@@ -165,12 +166,6 @@ impl Case {
     /// True if the image is a limit, to which renderings converge with their step.
     pub fn is_limit(&self) -> bool {
         self.limit
-    }
-
-    /// The arguments that name the suite in a command, with a blank before them; none where it is the current folder or the
-    /// embedded one.
-    pub(crate) fn suite_option(&self) -> String {
-        suite_option(&self.suite)
     }
 
     /// The scene of the case.
@@ -283,7 +278,7 @@ impl Suite {
             match read_manifest(&path) {
                 Ok(mut case) => {
                     if suite.own.is_some() {
-                        case.suite = PathBuf::new();
+                        case.suite_option = String::new();
                     }
                     suite.by_name.insert(case.name.clone(), suite.cases.len());
                     suite.cases.push(case);
@@ -440,19 +435,17 @@ impl Suite {
         self.cases.iter().map(|case| &case.name)
     }
 
-    /// The arguments that name the suite in a command; none of the embedded one.
-    fn option(&self) -> String {
-        let own = self.own.as_ref();
-        own.map_or_else(|| suite_option(&self.root), |_| String::new())
-    }
-
     fn nearest(&self, filter: &str) -> String {
         let given = filter;
         let filter = pattern_of(given);
         if self.cases.is_empty() {
             return format!("{CASES} is empty");
         }
-        let all = format!("`volref list{}` shows all cases", self.option());
+        let option = match self.own {
+            Some(_) => String::new(),
+            None => suite_option(&self.root),
+        };
+        let all = format!("`volref list{option}` shows all cases");
         let names = self.names().flat_map(|name| parts(name));
         match nearest(filter, names) {
             Some(name) => {
@@ -603,7 +596,7 @@ fn case_of(path: &Path, reader: &Reader) -> SceneResult<Case> {
     let changed = changed.into_iter();
     let suite = folder.ancestors().nth(3).unwrap_or(Path::new(""));
     Ok(Case {
-        suite: suite.to_owned(),
+        suite_option: suite_option(suite),
         judged_by: changed
             .filter_map(|(key, value)| Some((key.to_owned(), value?)))
             .collect(),
