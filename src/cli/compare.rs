@@ -143,10 +143,15 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     text.push_str(note);
     let exit = result.cause.into();
     let json = report::results_json("compare", std::slice::from_ref(&result));
-    let evidence = arguments.evidence(reference, test);
-    let (results, evidence, found) = ([result], [evidence], Likenesses::default());
-    let page = Page::of("compare", &results, &evidence, &found);
-    arguments.page.write(page, &mut text)?;
+    let page = Page {
+        title: "volref compare",
+        command: &command_line(),
+        judged_with: "",
+        results: &[result],
+        evidence: &[arguments.evidence(reference, test)],
+        found: &Likenesses::default(),
+    };
+    arguments.page.write(&page, &mut text)?;
     let text = arguments.json.instead_of(text, &json)?;
     Ok(Outcome { text, exit })
 }

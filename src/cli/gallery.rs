@@ -85,7 +85,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         .collect::<Result<_, _>>()?;
     // Now that the inputs are known.
     output::check(&[Some(&arguments.output)], &[])?;
-    let has_result = |case: &&Case| runs.iter().any(|run| run.result(case).is_some());
+    let has_result = |case: &&Case| runs.iter().any(|run| run.result(&case.name).is_some());
     let cases: Vec<&Case> = suite.cases().iter().filter(has_result).collect();
     let families = suite.families(&cases);
     let cases: Vec<&Case> = families.iter().flat_map(|it| it.cases.clone()).collect();
@@ -185,13 +185,13 @@ impl RendererRun {
         })
     }
 
-    fn result(&self, case: &Case) -> Option<&CaseResult> {
-        self.results.iter().find(|result| result.name == case.name)
+    fn result(&self, case: &str) -> Option<&CaseResult> {
+        self.results.iter().find(|result| result.name == case)
     }
 
     /// The result for a case: what is said of its image today, with the causes that were found by the run.
     fn judged(&self, case: &Case, store: &Store) -> Option<Judged> {
-        let kept = self.result(case)?;
+        let kept = self.result(&case.name)?;
         let mut judged = match kept.verdict {
             Verdict::Missing | Verdict::Error => Judged {
                 result: as_kept(kept),
@@ -245,7 +245,7 @@ impl RendererRun {
     /// What the files of the run say otherwise than `judged`, in a line.
     fn change(&self, judged: &Judged) -> Option<String> {
         let result = &judged.result;
-        let kept = self.results.iter().find(|kept| kept.name == result.name)?;
+        let kept = self.result(&result.name)?;
         let name = self.renderer.name();
         if kept.verdict != result.verdict {
             let (before, now) = (kept.verdict.name(), result.verdict.name());

@@ -187,8 +187,7 @@ fn joined_results(
             waits: false,
         };
         results.iter().for_each(|result| said.verdict(result));
-        said.print(&(said.without_image(&results) + &report::summary_text(&results)));
-        said.print(&report::judged_with_text(&judged_with));
+        said.summary(&results, &judged_with);
         report::likely_text(&found, 0.0)
     };
     let all = runs.iter().map(|of| of.run.cases.len()).sum();

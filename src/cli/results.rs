@@ -1,5 +1,6 @@
 //! Result files of `verify` and `validate`.
 
+use super::command_line::command_line;
 use super::failure::{Exit, Failure};
 use super::known::count_in;
 use super::output::{self, Json};
@@ -75,10 +76,14 @@ impl ResultFiles {
             output::write(path, junit.as_bytes())?;
         }
         let page = Page {
+            title: &format!("volref {}", findings.command),
+            command: &command_line(),
             judged_with: &findings.judged_with.in_words(),
-            ..Page::of(findings.command, &results, &evidence, &findings.found)
+            results: &results,
+            evidence: &evidence,
+            found: &findings.found,
         };
-        self.page.write(page, &mut text)?;
+        self.page.write(&page, &mut text)?;
         let mut json = report::results_json(findings.command, &results);
         if findings.command == "validate" {
             json["looks_like"] = json!(findings.found.likely);

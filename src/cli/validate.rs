@@ -198,10 +198,9 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
                 return Err(judge.nothing_compared());
             }
             let results: Vec<CaseResult> = judged.iter().map(|it| it.result.clone()).collect();
-            said.print(&(said.without_image(&results) + &report::summary_text(&results)));
             let settings = arguments.settings(profile);
             let judged_with = JudgedWith::of(&settings, profile, skipped, &results);
-            said.print(&report::judged_with_text(&judged_with));
+            said.summary(&results, &judged_with);
             said.print(&judge.unknown_files());
             let (found, mut text) = search.mistakes(&cases, profile, &mut judged);
             if let Some(known) = &judge.known {

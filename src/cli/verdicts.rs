@@ -3,7 +3,7 @@
 use super::progress;
 use super::{interrupt, is_in_ci, output};
 use crate::conventions::Profile;
-use crate::judging::{CaseResult, Cause, Judged, Verdict};
+use crate::judging::{CaseResult, Cause, Judged, JudgedWith, Verdict};
 use crate::naming::{ConventionSearch, Likenesses, Predictions, Search, SearchStep, likeness};
 use crate::report;
 use crate::suite::{Case, Suite};
@@ -40,15 +40,15 @@ impl PrintedVerdicts {
         }
     }
 
-    /// Number of cases not listed.
-    pub fn without_image(&self, results: &[CaseResult]) -> String {
-        match results.iter().filter(|result| self.folds(result)).count() {
-            0 => String::new(),
-            count => {
-                let cases = report::number_of(count, "case");
-                format!("{cases} without an image; --verbose lists them\n")
-            }
+    /// Prints how many cases are not listed, how many have each verdict, and what loosens the judgements.
+    pub fn summary(&self, results: &[CaseResult], judged_with: &JudgedWith) {
+        let folded = results.iter().filter(|result| self.folds(result)).count();
+        if folded > 0 {
+            let cases = report::number_of(folded, "case");
+            self.print(&format!("{cases} without an image; --verbose lists them\n"));
         }
+        self.print(&report::summary_text(results));
+        self.print(&report::judged_with_text(judged_with));
     }
 }
 
@@ -60,15 +60,6 @@ pub struct ExplainArgument {
     /// environment variable CI is set, unless --accept-conventions asks for the search]
     #[arg(long, value_name = "SECONDS", allow_negative_numbers = true, value_parser = search_time)]
     explain: Option<f64>,
-}
-
-impl ExplainArgument {
-    /// The limit; `is_asked` if a verdict depends on the search.
-    pub fn seconds(&self, is_asked: bool) -> f64 {
-        let is_left_out = is_in_ci() && !is_asked;
-        let default = if is_left_out { 0 } else { Search::BUDGET };
-        self.explain.unwrap_or(default.into())
-    }
 }
 
 /// A time limit for the search: not negative, and finite.
@@ -93,8 +84,10 @@ impl CauseSearch {
         is_asked: bool,
         work: impl FnOnce(&mut CauseSearch) -> T,
     ) -> T {
+        let is_wanted = is_asked || !is_in_ci();
+        let default = if is_wanted { Search::BUDGET } else { 0 };
         let mut search = CauseSearch {
-            seconds: argument.seconds(is_asked),
+            seconds: argument.explain.unwrap_or(default.into()),
             is_left_out: argument.explain.is_none(),
         };
         interrupt::can_be_cut_short(|| work(&mut search))

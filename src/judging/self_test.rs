@@ -260,16 +260,16 @@ impl SelfTest {
                 trials: usable.iter().map(|of| of.trial(mistake.name)).collect(),
             })
             .collect();
+        let is_to_be_caught = |row: &&MistakeTrials| match which {
+            SelfTestCases::Whole => true,
+            SelfTestCases::Selected => row.trials.contains(&Trial::Missed),
+            SelfTestCases::Part => false,
+        };
+        let is_caught = |row: &&MistakeTrials| row.trials.contains(&Trial::Caught);
         let uncaught = mistakes
             .iter()
-            .filter(|row| !row.trials.contains(&Trial::Caught))
-            .filter(|row| match which {
-                SelfTestCases::Whole => true,
-                SelfTestCases::Selected => row.trials.contains(&Trial::Missed),
-                SelfTestCases::Part => false,
-            })
-            .map(|row| row.mistake)
-            .collect();
+            .filter(|row| is_to_be_caught(row) && !is_caught(row));
+        let uncaught = uncaught.map(|row| row.mistake).collect();
         let promised = |of: &CaseTrials, mistake: &str| {
             let case = cases.iter().find(|case| case.name == of.case);
             case.is_some_and(|case| case.mistakes.iter().any(|name| name == mistake))

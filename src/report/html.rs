@@ -28,25 +28,6 @@ pub struct Page<'a> {
     pub found: &'a Likenesses,
 }
 
-impl<'a> Page<'a> {
-    /// The page of a command that is not said, without what loosens it.
-    pub fn of(
-        title: &'a str,
-        results: &'a [CaseResult],
-        evidence: &'a [Evidence],
-        found: &'a Likenesses,
-    ) -> Page<'a> {
-        Page {
-            title,
-            command: "",
-            judged_with: "",
-            results,
-            evidence,
-            found,
-        }
-    }
-}
-
 const TEMPLATE: Template = Template {
     blocks: include_str!("html/template.html"),
     style: include_str!("html/page.css"),
