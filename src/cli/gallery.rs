@@ -242,7 +242,7 @@ impl RendererRun {
         is_web || (!file.is_empty() && self.page.join(file).exists())
     }
 
-    /// What the files of the run say otherwise than `judged`, in a line.
+    /// A line where the files of the run say otherwise than `judged`.
     fn change(&self, judged: &Judged) -> Option<String> {
         let result = &judged.result;
         let kept = self.result(&result.name)?;

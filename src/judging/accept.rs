@@ -22,7 +22,7 @@ use std::fmt::Display;
 use std::path::PathBuf;
 use thiserror::Error;
 
-/// What became of the golden of one case.
+/// The outcome for the golden of one case.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Accepted {
     /// `family/name`.

@@ -109,8 +109,7 @@ impl KnownFailures {
         Ok(known)
     }
 
-    /// What the file says of `result`; `None` of one that is neither listed nor a failure, and of one that was not
-    /// judged.
+    /// The status of `result` by the file; `None` if it is neither listed nor a failure, or was not judged.
     pub fn of(&self, result: &CaseResult) -> Option<Known> {
         let entry = self.entry(&result.name);
         let (status, change) = match entry {
@@ -190,8 +189,8 @@ impl Entry {
         unbounded.filter_map(|key| most(&key)).collect()
     }
 
-    /// What the entry says of the `result` of one of its cases, and the line to change, with what to write there.
-    /// `None` of a result that was not judged.
+    /// The status by this entry of the `result` of one of its cases, and the line to change, with its new text. `None` if
+    /// the case was not judged.
     fn status(&self, result: &CaseResult) -> Option<(KnownStatus, Option<(usize, String)>)> {
         if result.cause >= Cause::Golden {
             return None;

@@ -395,7 +395,7 @@ const BENIGN: &[(&str, Benign)] = &[
     }),
     ("half-precision", |subject| {
         let half = mapped(subject.honest(), |x, _| (f16::from_f64(x).to_f64(), 1.0));
-        // What half precision cannot hold at all, nobody keeps in it.
+        // Nobody keeps in half precision an image that it cannot hold.
         let held = half.radiance().iter().flatten().all(|x| x.is_finite());
         held.then_some(Picture::Radiance(half))
     }),

@@ -1,4 +1,4 @@
-//! What the page shows of one image: the picture, the difference from what it was judged by, the bias, the cause.
+//! One image on the page: the picture, its difference from the right one, the bias, the cause.
 
 use super::super::html::pixels::thumbnail;
 use super::super::template::{image_address, signed_colour};

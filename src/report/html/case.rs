@@ -50,7 +50,7 @@ pub(super) fn view(
         // With what to do.
         mistakes => result.looks_like.iter().map(mistake).collect::<Vec<_>>(),
         numbers => result.metrics.iter().map(number).collect::<Vec<_>>(),
-        // Those that fit best come first.
+        // The changes that fit best come first.
         changes => result.changes.iter().take(MOST_CHANGES).collect::<Vec<_>>(),
         // Notes beside the verdict, and oddities of the images.
         notes => result.notes.iter().chain(&views.notes).collect::<Vec<_>>(),
