@@ -23,8 +23,6 @@ const FIXTURES: &str = "fixtures";
 const CASES: &str = "fixtures/cases";
 /// Folder of the goldens.
 const GOLDEN: &str = "golden";
-/// Folder for the results of other renderers, among the goldens.
-const PEERS: &str = "peers";
 /// Folder for results until they are joined.
 pub(crate) const CACHE: &str = ".volref";
 
@@ -347,13 +345,16 @@ impl Suite {
 
     /// The files `*/*.toml` of a part of the suite, sorted.
     fn records(&self, part: &str) -> Result<Vec<PathBuf>, SuiteError> {
-        let mut records = records(&self.root.join(part))?;
+        let families = sorted_entries(&self.root.join(part))?.into_iter();
+        let mut records = Vec::new();
+        for family in families.filter(|path| path.is_dir()) {
+            records.extend(sorted_entries(&family)?);
+        }
         records.retain(|path| {
-            let is_own = |own: &BTreeSet<PathBuf>| {
-                let path = path.strip_prefix(&self.root);
-                path.is_ok_and(|path| own.contains(path))
-            };
-            self.own.as_ref().is_none_or(is_own)
+            let inner = path.strip_prefix(&self.root);
+            let is_own = |own: &BTreeSet<PathBuf>| inner.is_ok_and(|path| own.contains(path));
+            let is_record = path.extension().is_some_and(|ending| ending == "toml");
+            is_record && self.own.as_ref().is_none_or(is_own)
         });
         Ok(records)
     }
@@ -378,7 +379,7 @@ impl Suite {
         let names = records.filter_map(|path| {
             let path = path.with_extension("");
             let name = path.strip_prefix(&root).ok()?;
-            (!name.starts_with(PEERS)).then(|| name.display().to_string())
+            Some(name.display().to_string())
         });
         Ok(names.collect())
     }
@@ -494,29 +495,15 @@ fn parts(name: &str) -> [&str; 3] {
     [name, family, own]
 }
 
-/// The files `*/*.toml` in `folder`, sorted.
-fn records(folder: &Path) -> Result<Vec<PathBuf>, SuiteError> {
-    let mut records = Vec::new();
-    for family in sorted_entries(folder)?.iter().filter(|path| path.is_dir()) {
-        records.extend(sorted_entries(family)?);
-    }
-    records.retain(|path| {
-        path.extension()
-            .is_some_and(|extension| extension == "toml")
-    });
-    Ok(records)
-}
-
 fn sorted_entries(folder: &Path) -> Result<Vec<PathBuf>, SuiteError> {
     let failed = |error| SuiteError::Read {
         path: folder.to_owned(),
         error,
     };
-    let mut paths = std::fs::read_dir(folder)
-        .map_err(failed)?
-        .map(|entry| entry.map(|entry| entry.path()))
-        .collect::<Result<Vec<_>, _>>()
-        .map_err(failed)?;
+    let mut paths = Vec::new();
+    for entry in std::fs::read_dir(folder).map_err(failed)? {
+        paths.push(entry.map_err(failed)?.path());
+    }
     paths.sort();
     Ok(paths)
 }
