@@ -15,6 +15,7 @@ use crate::scene::{Conventions, Length, Model, Origin, Reading, Scene, samples};
 use crate::sensitivity::number;
 use crate::volume::volume_format;
 use serde_json::json;
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -290,9 +291,8 @@ fn range_notes(plans: &[Plan<'_>]) -> Vec<String> {
 
 /// True of a volume file. A description of bare samples ends in .toml, as scenes do.
 fn is_volume(path: &Path) -> bool {
-    let mut ending = path.extension().into_iter();
-    let is_toml = ending.any(|ending| ending.eq_ignore_ascii_case("toml"));
-    !is_toml && volume_format(path).is_some()
+    let is_toml = |ending: &OsStr| ending.eq_ignore_ascii_case("toml");
+    !path.extension().is_some_and(is_toml) && volume_format(path).is_some()
 }
 
 /// The format of an image to be written, of linear `values`.
