@@ -55,12 +55,9 @@ pub fn run(mut arguments: Arguments) -> Result<Outcome, Failure> {
     let read = || Scene::load(&arguments.scene);
     let scene = progress::during("reading the scene", read)?;
     output::check(&outputs, &[])?;
-    let plans = scene
-        .panels
-        .iter()
-        .map(|panel| plan_for(panel, &arguments.force))
-        .collect::<Result<Vec<_>, _>>()
-        .map_err(bad_input)?;
+    let plan = |panel| plan_for(panel, &arguments.force);
+    let plans: Result<Vec<_>, _> = scene.panels.iter().map(plan).collect();
+    let plans = plans.map_err(bad_input)?;
     let mut work = Vec::new();
     if arguments.counters {
         let bar = progress::image("counting");

@@ -230,9 +230,7 @@ fn in_red_and_blue(film: &Film) -> Vec<u8> {
     let mut sizes: Vec<f64> = means.iter().map(|mean| mean.abs()).collect();
     sizes.sort_by(f64::total_cmp);
     let full = sizes[(sizes.len() - 1) * 99 / 100].max(f64::MIN_POSITIVE);
-    let codes: Vec<[u8; 3]> = means
-        .iter()
-        .map(|mean| signed_colour(mean / full))
-        .collect();
+    let colour = |mean: &f64| signed_colour(mean / full);
+    let codes: Vec<[u8; 3]> = means.iter().map(colour).collect();
     Film::codes_to_png(&codes, film.width(), film.height())
 }

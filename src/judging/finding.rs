@@ -69,11 +69,10 @@ impl CheckedGolden {
     pub fn load(case: &Case, store: &Store) -> Result<CheckedGolden, CaseResult> {
         let bad_input = |reason| CaseResult::new(Verdict::Error, Cause::BadInput, reason);
         let bad_golden = |reason| CaseResult::new(Verdict::Error, Cause::Golden, reason);
-        let scene = case
-            .load_scene()
-            .map_err(|error| bad_input(error.to_string()))?;
+        let scene = case.load_scene();
+        let scene = scene.map_err(|error| bad_input(error.to_string()))?;
         check_class(case, &plans(&scene)).map_err(bad_input)?;
-        let golden = Golden::read(store, case).map_err(|error| match error {
+        let mut golden = Golden::read(store, case).map_err(|error| match error {
             GoldenError::Missing(_) => {
                 CaseResult::new(Verdict::Missing, Cause::Golden, error.to_string())
             }
@@ -82,7 +81,6 @@ impl CheckedGolden {
         if let Some(reason) = stale(case, &scene, &golden) {
             return Err(bad_golden(reason));
         }
-        let mut golden = golden;
         if case.truth.is_some() && case.sampling.is_some() {
             // Means of samples are compared with the mean of their distribution.
             golden.film = golden.film.known();

@@ -282,19 +282,15 @@ impl SelfTest {
                 }
             }
         }
-        let unusable = found
-            .iter()
-            .filter_map(|of| Some(Rejection::new(&of.case, of.unusable.as_ref()?)));
+        let unusable = |of: &CaseTrials| Some(Rejection::new(&of.case, of.unusable.as_ref()?));
+        let benign = |(variant, _): &(&'static str, Benign)| BenignTrials::of(variant, &usable);
         SelfTest {
             cases: usable.iter().map(|of| of.case.clone()).collect(),
             mistakes,
-            benign: BENIGN
-                .iter()
-                .map(|(variant, _)| BenignTrials::of(variant, &usable))
-                .collect(),
+            benign: BENIGN.iter().map(benign).collect(),
             uncaught,
             broken_promises,
-            unusable: unusable.collect(),
+            unusable: found.iter().filter_map(unusable).collect(),
         }
     }
 }

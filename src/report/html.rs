@@ -40,14 +40,11 @@ pub fn results_html(page: &Page<'_>) -> String {
     let mut order: Vec<usize> = (0..page.results.len()).collect();
     let rank = |verdict: Verdict| ORDER.iter().position(|&other| other == verdict);
     order.sort_by_key(|&index| rank(page.results[index].verdict));
-    let cases: Vec<Value> = order
-        .par_iter()
-        .enumerate()
-        .map(|(position, &index)| {
-            let evidence = page.evidence.get(index).unwrap_or(&none);
-            case::view(position, &page.results[index], evidence, &page.found.likely)
-        })
-        .collect();
+    let view = |(position, &index): (usize, &usize)| {
+        let evidence = page.evidence.get(index).unwrap_or(&none);
+        case::view(position, &page.results[index], evidence, &page.found.likely)
+    };
+    let cases: Vec<Value> = order.par_iter().enumerate().map(view).collect();
     let results = page.results.iter();
     let mut families: Vec<&str> = results.map(|result| result.family.as_str()).collect();
     families.sort_unstable();

@@ -63,12 +63,10 @@ impl<'a> Views<'a> {
 
     /// The unit in which the gate shows the difference.
     pub(super) fn difference_scale(&self, gate: Gate) -> DifferenceScale {
-        let films = self
-            .pair
-            .and_then(|(golden, test)| Some((golden, test.radiance()?)));
-        films.map_or(DifferenceScale::Radiance, |(golden, test)| {
-            DifferenceScale::of(gate, golden, test)
-        })
+        match self.pair {
+            Some((golden, Picture::Radiance(test))) => DifferenceScale::of(gate, golden, test),
+            _ => DifferenceScale::Radiance,
+        }
     }
 
     /// Everything that the script needs, packed by [`pixels`]; nothing where there is no image.
@@ -149,11 +147,9 @@ fn shown<'a, T>(
 /// Test minus golden, of radiance or of codes.
 fn differences(golden: &Film, test: &Picture, exposure: f64) -> Vec<[f32; 3]> {
     fn of<T: Copy + Into<f64>>(golden: &[[T; 3]], test: &[[T; 3]]) -> Vec<[f32; 3]> {
-        let pixels = golden.iter().zip(test);
-        let difference = |a: T, b: T| (b.into() - a.into()) as f32;
-        pixels
-            .map(|(a, b)| [0, 1, 2].map(|c| difference(a[c], b[c])))
-            .collect()
+        let difference =
+            |(a, b): (&[T; 3], &[T; 3])| [0, 1, 2].map(|c| (b[c].into() - a[c].into()) as f32);
+        golden.iter().zip(test).map(difference).collect()
     }
     match test {
         Picture::Radiance(test) => of(golden.radiance(), test.radiance()),
