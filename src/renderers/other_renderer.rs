@@ -4,6 +4,7 @@ use super::call::{Call, not_run, shown};
 use super::kept_images::files_in;
 use super::process::run;
 use super::{CallSettings, CommandTemplate, KeptImages, StayingRenderers};
+use crate::compare::Picture;
 use crate::files::atomic_file::directory_of;
 use crate::files::{own_file, regular_file};
 use crate::film::Film;
@@ -196,8 +197,13 @@ impl OtherRenderer {
                 unwritten(&step_name(&case.name, 1), "with a smaller step")
             }
             // As far as is known, it did what it was asked for.
-            Output::Picture(picture) if self.options.template.uses("spp") => {
-                Output::Picture(Box::new(picture.with_samples(settings.spp)))
+            output @ Output::Picture(_) if self.options.template.uses("spp") => {
+                output.edited(|picture| match picture {
+                    Picture::Radiance(film) => {
+                        Ok(Picture::Radiance(film.with_samples(settings.spp)))
+                    }
+                    codes => Ok(codes),
+                })
             }
             output => output,
         }
