@@ -61,20 +61,18 @@ pub fn check(case: &str, image: &Film) -> Result<CaseResult, SuiteError> {
 ///
 /// As of [`check`].
 pub fn check_within(case: &str, image: &Film, seconds: f64) -> Result<CaseResult, SuiteError> {
+    // Less than none, or no number, is none.
+    let seconds = seconds.max(0.0);
     let suite = Suite::bundled()?;
     let cases = suite.select(&[case.to_owned()])?;
     let store = suite.store();
-    let picture = Picture::Radiance(image.clone());
-    let mut judged = [validate(
-        cases[0],
-        &store,
-        Output::Picture(Box::new(picture)),
-        None,
-    )];
+    let output = Output::Picture(Box::new(Picture::Radiance(image.clone())));
+    let mut judged = [validate(cases[0], &store, output, None)];
     ConventionSearch::default().explain_mismatch(cases[0], &store, &mut judged[0], seconds, false);
     let search = Search {
-        budget: Some(Duration::from_secs_f64(seconds)),
-        // What calls this is mostly built anew for every run, and finds nothing of the last.
+        // Beyond any time, there is no limit.
+        budget: Duration::try_from_secs_f64(seconds).ok(),
+        // A test program is mostly built anew for every run, and finds nothing of the last.
         predictions: &Predictions::default(),
         interrupted: &|| false,
         progress: &|_| (),
@@ -82,4 +80,21 @@ pub fn check_within(case: &str, image: &Film, seconds: f64) -> Result<CaseResult
     diagnosis(&cases, None, &mut judged, &search);
     let [judged] = judged;
     Ok(judged.result)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::suite::Golden;
+
+    #[test]
+    fn any_number_of_seconds_is_a_limit_or_none() {
+        let suite = Suite::bundled().unwrap();
+        let case = suite.case("figures/figure-2").unwrap();
+        let golden = Golden::read(&suite.store(), case).unwrap().film;
+        for seconds in [-1.0, f64::INFINITY, f64::NAN] {
+            let result = check_within(&case.name, &golden, seconds).unwrap();
+            assert!(result.looks_like.is_empty(), "{seconds}: {}", result.reason);
+        }
+    }
 }

@@ -48,7 +48,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let bar = progress::counted(cases.len());
     let store = suite.store();
     let accepted = judging::accept(&cases, &store, request, &bar, &|step| bar.show(step));
-    bar.finish_and_clear();
+    drop(bar);
     let accepted = accepted.map_err(|error| Failure {
         exit: Exit::BadInput,
         report: error.into(),

@@ -63,10 +63,8 @@ pub struct Arguments {
 
 /// A percentage above 0 and below 100.
 pub fn percent(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(percent) if percent > 0.0 && percent < 100.0 => Ok(percent),
-        _ => Err("a resolution is a percentage above 0 and below 100".to_owned()),
-    }
+    let expected = "a resolution is a percentage above 0 and below 100";
+    output::number(text, |it| it > 0.0 && it < 100.0, expected)
 }
 
 /// Names of the gates, and the pairs of images for which each is the default.
@@ -145,10 +143,15 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     text.push_str(note);
     let exit = result.cause.into();
     let json = report::results_json("compare", std::slice::from_ref(&result));
-    let evidence = arguments.evidence(reference, test);
-    let (results, evidence, found) = ([result], [evidence], Diagnosis::default());
-    let page = Page::of("compare", &results, &evidence, &found);
-    arguments.page.write(page, &mut text)?;
+    let page = Page {
+        title: "volref compare",
+        command: &command_line(),
+        judged_with: "",
+        results: &[result],
+        evidence: &[arguments.evidence(reference, test)],
+        found: &Diagnosis::default(),
+    };
+    arguments.page.write(&page, &mut text)?;
     let text = arguments.json.instead_of(text, &json)?;
     Ok(Outcome { text, exit })
 }

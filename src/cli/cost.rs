@@ -74,7 +74,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         costs.extend(found.map_err(|error| bad_input(format!("{name}: {error}")))?);
         bar.end_part();
     }
-    bar.finish_and_clear();
+    drop(bar);
     let machine = (arguments.runs > 0).then(|| Machine::here(1));
     let mut text = report::cost_text(&costs, machine.as_ref());
     if let Some(folder) = &arguments.report {

@@ -9,7 +9,6 @@ use super::failure::{Failure, bad_input};
 use super::output;
 use crate::compare::Picture;
 use crate::files::visible::xml_text;
-use crate::film::Film;
 use crate::judging::{Evidence, Judged};
 use std::path::{Path, PathBuf};
 
@@ -17,6 +16,11 @@ use std::path::{Path, PathBuf};
 const GOLDEN: &str = "ValidImage";
 const TEST: &str = "TestImage";
 const DIFFERENCE: &str = "DifferenceImage2";
+
+/// Elements of a measurement, with the types of their values.
+const WORDS: [&str; 2] = ["CTestMeasurement", "text/string"];
+const NUMBER: [&str; 2] = ["CTestMeasurement", "numeric/double"];
+const PICTURE: [&str; 2] = ["CTestMeasurementFile", "image/png"];
 
 /// Writes the golden, the test image and their difference of each case into `folder` as PNG; returns the
 /// lines that name them, with those of the verdict and the metrics. Names begin with the case if there are several.
@@ -28,34 +32,22 @@ pub fn measurements(judged: &[Judged], folder: &Path) -> Result<String, Failure>
             [_] => name.to_owned(),
             _ => format!("{} {name}", result.name),
         };
-        let mut line = |element: &str, kind: &str, name: &str, value: &str| {
+        let mut line = |[element, kind]: [&str; 2], name: &str, value: &str| {
             let (name, value) = (xml_text(&named(name)), xml_text(value));
             lines.push_str(&format!(
                 "<{element} type=\"{kind}\" name=\"{name}\">{value}</{element}>\n"
             ));
         };
-        line(
-            "CTestMeasurement",
-            "text/string",
-            "verdict",
-            result.verdict.name(),
-        );
+        line(WORDS, "verdict", result.verdict.name());
         if !result.looks_like.is_empty() {
-            let mistakes = result.looks_like.join(", ");
-            line("CTestMeasurement", "text/string", "looks like", &mistakes);
+            line(WORDS, "looks like", &result.looks_like.join(", "));
         }
         for (name, value) in &result.metrics {
-            line(
-                "CTestMeasurement",
-                "numeric/double",
-                name,
-                &value.to_string(),
-            );
+            line(NUMBER, name, &value.to_string());
         }
         for (name, path) in pictures(of_case, folder)? {
             let path = std::path::absolute(&path).unwrap_or(path);
-            let path = path.display().to_string();
-            line("CTestMeasurementFile", "image/png", name, &path);
+            line(PICTURE, name, &path.display().to_string());
         }
     }
     Ok(lines)
@@ -71,11 +63,7 @@ fn pictures(judged: &Judged, folder: &Path) -> Result<Vec<(&'static str, PathBuf
     } = &judged.evidence;
     let png = |picture: &Picture| -> Result<Vec<u8>, Failure> {
         let image = picture.srgb(*exposure).map_err(bad_input)?;
-        Ok(Film::codes_to_png(
-            image.pixels(),
-            image.width(),
-            image.height(),
-        ))
+        Ok(image.to_png())
     };
     let golden = golden.clone().map(Picture::Radiance);
     let mut pictures = Vec::new();

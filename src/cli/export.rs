@@ -104,11 +104,8 @@ fn check_no_other(export: &Export, folder: &Path, scene: &Path) -> Result<(), Fa
         if is_same() || changed(found) <= of_scene {
             continue;
         }
-        let message = format!(
-            "{} is there already, and is not this export of {}",
-            path.display(),
-            scene.display()
-        );
+        let [path, scene] = [&path, scene].map(Path::display);
+        let message = format!("{path} is there already, and is not this export of {scene}");
         let help = "nothing was written; give another folder, or remove that file first";
         return Err(Failure::new(Exit::BadInput, message, Some(help)));
     }

@@ -10,7 +10,9 @@ use crate::judging::{
     CaseResult, Cause, Evidence, Judged, KnownFailures, Verdict, before_background, declared,
     validate_at,
 };
-use crate::report::{GalleryAbout, GalleryRenderer, GalleryRow, gallery_html, gallery_row};
+use crate::report::{
+    GalleryAbout, GalleryRenderer, GalleryRow, gallery_html, gallery_row, number_of,
+};
 use crate::suite::{Case, Golden, Outputs, Store, Suite};
 use rayon::prelude::*;
 use serde::Deserialize;
@@ -83,17 +85,10 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         .collect::<Result<_, _>>()?;
     // Now that the inputs are known.
     output::check(&[Some(&arguments.output)], &[])?;
-    let has = |run: &RendererRun, case: &Case| run.result(case).is_some();
-    let cases: Vec<&Case> = suite
-        .cases()
-        .iter()
-        .filter(|case| runs.iter().any(|run| has(run, case)))
-        .collect();
+    let has_result = |case: &&Case| runs.iter().any(|run| run.result(&case.name).is_some());
+    let cases: Vec<&Case> = suite.cases().iter().filter(has_result).collect();
     let families = suite.families(&cases);
-    let cases: Vec<&Case> = families
-        .iter()
-        .flat_map(|family| family.cases.iter().copied())
-        .collect();
+    let cases: Vec<&Case> = families.iter().flat_map(|it| it.cases.clone()).collect();
     let store = suite.store();
     let bar = progress::counted(cases.len());
     let row = |case: &&Case| {
@@ -102,15 +97,15 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         row
     };
     let (rows, changes): (Vec<GalleryRow>, Vec<String>) = cases.par_iter().map(row).unzip();
-    bar.finish_and_clear();
+    drop(bar);
     let renderers: Vec<GalleryRenderer> = runs.into_iter().map(|run| run.renderer).collect();
     let page = gallery_html(&renderers, &families, &rows);
     output::write(&arguments.output, page.as_bytes())?;
     Ok(Outcome::from(format!(
         "{}: {}, {}, {:.1} MB\n{}",
         arguments.output.display(),
-        output::number_of(renderers.len() as u64, "renderer"),
-        output::number_of(rows.len() as u64, "case"),
+        number_of(renderers.len(), "renderer"),
+        number_of(rows.len(), "case"),
         page.len() as f64 / 1e6,
         changes.concat(),
     )))
@@ -143,8 +138,8 @@ impl RendererRun {
             let what = format!("its schema is {:?}", results.schema);
             return refused(what, "a gallery is made of results of `volref validate`");
         }
-        let names: Vec<&str> = suite.cases().iter().map(|case| &*case.name).collect();
-        if let Some(unknown) = results.cases.iter().find(|of| !names.contains(&&*of.name)) {
+        let mut kept = results.cases.iter();
+        if let Some(unknown) = kept.find(|of| suite.case(&of.name).is_none()) {
             let what = format!("the suite has no case {:?}", unknown.name);
             return refused(what, "name the suite by which it was judged: --suite DIR");
         }
@@ -153,27 +148,25 @@ impl RendererRun {
             true => read(&about_file, |text| toml::from_str(text))?,
             false => GalleryAbout::default(),
         };
+        let names: Vec<&str> = suite.cases().iter().map(|case| &*case.name).collect();
         let outputs = Outputs::list(folder, &names).map_err(bad_input)?;
         outputs.files().for_each(note_input);
         let absolute = std::path::absolute(folder).map_err(bad_input)?;
         let own_name = absolute.file_name().unwrap_or(absolute.as_os_str());
+        let own_name = || own_name.to_string_lossy().into_owned();
         let in_file = |error| bad_input(format!("{}: {error}", file.display()));
         let known_file = folder.join(KNOWN);
-        let shown = known_file.display().to_string();
         let known = match known_file.exists() {
-            true => Some(KnownFailures::parse(
-                &text_of(&known_file)?,
-                &shown,
-                suite,
-                false,
-            )?),
+            true => {
+                let (text, shown) = (text_of(&known_file)?, known_file.display().to_string());
+                Some(KnownFailures::parse(&text, &shown, suite, false)?)
+            }
             false => None,
         };
         let profile = results.origin.profile.as_deref().map(Profile::named);
         let bits = results.origin.bits.map(|bits| bits.parse());
         let alpha = results.origin.alpha.map(|alpha| alpha.parse());
-        let own_name = || own_name.to_string_lossy().into_owned();
-        about.name = about.name.or_else(|| Some(own_name()));
+        about.name.get_or_insert_with(own_name);
         about.command = about.command.or(results.origin.command);
         about.machine = about.machine.or(results.origin.machine);
         Ok(RendererRun {
@@ -192,13 +185,13 @@ impl RendererRun {
         })
     }
 
-    fn result(&self, case: &Case) -> Option<&CaseResult> {
-        self.results.iter().find(|result| result.name == case.name)
+    fn result(&self, case: &str) -> Option<&CaseResult> {
+        self.results.iter().find(|result| result.name == case)
     }
 
     /// The result for a case: what is said of its image today, with the causes that were found by the run.
     fn judged(&self, case: &Case, store: &Store) -> Option<Judged> {
-        let kept = self.result(case)?;
+        let kept = self.result(&case.name)?;
         let mut judged = match kept.verdict {
             Verdict::Missing | Verdict::Error => Judged {
                 result: as_kept(kept),
@@ -245,16 +238,14 @@ impl RendererRun {
     /// True if the page may link to it: an address of the web, or a file beside the page.
     fn leads(&self, link: &str) -> bool {
         let (file, _) = link.split_once('#').unwrap_or((link, ""));
-        let is_web = ["https://", "http://"]
-            .iter()
-            .any(|begin| link.starts_with(begin));
+        let is_web = link.starts_with("https://") || link.starts_with("http://");
         is_web || (!file.is_empty() && self.page.join(file).exists())
     }
 
-    /// What the files of the run say otherwise than `judged`, in a line.
+    /// A line where the files of the run say otherwise than `judged`.
     fn change(&self, judged: &Judged) -> Option<String> {
         let result = &judged.result;
-        let kept = self.results.iter().find(|kept| kept.name == result.name)?;
+        let kept = self.result(&result.name)?;
         let name = self.renderer.name();
         if kept.verdict != result.verdict {
             let (before, now) = (kept.verdict.name(), result.verdict.name());

@@ -27,10 +27,6 @@ pub struct Arguments {
     json: Json,
 }
 
-/// Names of [`Centring`].
-const NODES: &str = "nodes";
-const CELLS: &str = "cells";
-
 /// Bars of the histogram.
 const BINS: usize = 16;
 
@@ -145,8 +141,8 @@ impl Facts {
         let bounds = lattice.bounds();
         let [min, max] = [bounds.min, bounds.max].map(|corner| corner.to_array());
         let centring = match lattice.centring() {
-            Centring::Nodes => NODES,
-            Centring::Cells => CELLS,
+            Centring::Nodes => "nodes",
+            Centring::Cells => "cells",
         };
         let count = nx * ny * nz;
         self.row("nodes", format!("{nx} × {ny} × {nz}, {count} in total"));

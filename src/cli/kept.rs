@@ -8,7 +8,7 @@ use crate::files::program_hash;
 use crate::judging::{CaseTrials, Judged, ResultFolder, Run};
 use crate::suite::{Case, Suite};
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Setting of a run that has a name.
 pub const NAME: &str = "name";
@@ -77,7 +77,7 @@ impl PartArguments {
 pub struct KeptResults(ResultFolder, Run);
 
 impl KeptResults {
-    /// Keeps what was found in the `cases` of a part; returns the folder of its run.
+    /// Keeps what was found in the `cases` of a part, and says where.
     ///
     /// # Errors
     ///
@@ -87,18 +87,15 @@ impl KeptResults {
         cases: &[String],
         judged: &[Judged],
         trials: &[CaseTrials],
-    ) -> Result<PathBuf, Failure> {
+    ) -> Result<(), Failure> {
         let KeptResults(folder, run) = self;
         let kept = folder.keep(run, cases.to_vec(), judged, trials.to_vec());
-        kept.map_err(|error| {
+        let place = kept.map_err(|error| {
             let message = format!("the results cannot be kept: {error}");
             let help = "the verdicts hold, but volref merge would miss them; choose another folder with --results DIR";
             Failure::new(Exit::BadInput, message, Some(help))
-        })
+        })?;
+        progress::note(&format!("results kept in {}", place.display()));
+        Ok(())
     }
-}
-
-/// Says where results are kept.
-pub fn say_kept(place: &Path) {
-    progress::note(&format!("results kept in {}", place.display()));
 }

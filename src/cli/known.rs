@@ -65,11 +65,8 @@ fn text_of(path: &Path) -> Result<String, Failure> {
     let text = read.and_then(|bytes| String::from_utf8(bytes).map_err(|error| error.to_string()));
     text.map_err(|error| {
         let message = format!("cannot read the known failures {}: {error}", path.display());
-        Failure::new(
-            Exit::BadInput,
-            message,
-            Some("--known-update writes the file"),
-        )
+        let help = "--known-update writes the file";
+        Failure::new(Exit::BadInput, message, Some(help))
     })
 }
 
@@ -106,11 +103,8 @@ impl KnownFile<'_> {
             return exit(results);
         }
         let others = results.iter().filter(|result| result.known.is_none());
-        Exit::first_of(
-            others
-                .map(|result| result.cause.into())
-                .chain([Exit::Passed]),
-        )
+        let others = others.map(|result| result.cause.into());
+        Exit::first_of(others.chain([Exit::Passed]))
     }
 
     /// A line of counts, and one for each result of which the file does not say what is so.
@@ -119,9 +113,8 @@ impl KnownFile<'_> {
             KnownStatus::ALL.map(|(status, name)| (count(results.iter().copied(), status), name));
         let counts = counts.iter();
         let counts = counts.filter(|(count, name)| *count > 0 || *name == "known");
-        let counts: Vec<String> = counts
-            .map(|(count, name)| format!("{count} {name}"))
-            .collect();
+        let counts = counts.map(|(count, name)| format!("{count} {name}"));
+        let counts: Vec<String> = counts.collect();
         let mut text = format!("\nknown failures: {}\n", counts.join(", "));
         for known in results.iter().filter_map(|result| result.known.as_ref()) {
             if let Some(change) = &known.change {

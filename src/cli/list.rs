@@ -2,9 +2,9 @@
 
 use super::Outcome;
 use super::failure::Failure;
-use super::output::{self, Json, number_of};
+use super::output::{self, Json};
 use super::suite::Selection;
-use crate::report::{widest, wrapped};
+use crate::report::{number_of, widest, wrapped};
 use crate::suite::{CORE, Case, Family, Suite};
 use crate::variations::mistakes;
 use serde_json::{Value, json};
@@ -63,16 +63,13 @@ fn overview(suite: &Suite, families: &[Family<'_>]) -> String {
         text.push_str(line.trim_end());
         text.push('\n');
     }
-    let cases = families
-        .iter()
-        .map(|family| family.cases.len())
-        .sum::<usize>();
-    text.push_str(&format!("\nIn all {}.\n", number_of(cases as u64, "case")));
+    let cases: usize = families.iter().map(|family| family.cases.len()).sum();
+    text.push_str(&format!("\nIn all {}.\n", number_of(cases, "case")));
     let core = suite.core();
     if !core.is_empty() {
         text.push_str(&format!(
             "\nThe core set, {} that a renderer is asked first, as the filter {CORE}:\n{}",
-            number_of(core.len() as u64, "case"),
+            number_of(core.len(), "case"),
             wrapped(&core.join(" "), 2)
         ));
     }

@@ -5,7 +5,7 @@ use super::failure::{EXIT_CODES, Exit, Failure, bad_input, exit};
 use super::kept::NAME;
 use super::results::{Findings, ResultFiles};
 use super::selftest::{self, SELF_TEST};
-use super::suite::{KEPT, Selection};
+use super::suite::Selection;
 use super::verdicts::PrintedVerdicts;
 use super::verify;
 use crate::compare::Gate;
@@ -17,7 +17,7 @@ use crate::judging::{
 };
 use crate::naming::Diagnosis;
 use crate::report;
-use crate::suite::{Case, Golden, Suite};
+use crate::suite::{CACHE, Case, Golden, Suite};
 use serde_json::json;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -95,10 +95,9 @@ fn root_of(folder: &Path) -> Result<PathBuf, Failure> {
     if !folder.is_dir() {
         return Err(bad_input(format!("{} is not a folder", folder.display())));
     }
-    let places = [folder.to_owned(), folder.join(KEPT)];
-    let root = places
-        .into_iter()
-        .find(|root| ResultFolder::open(root).path().is_dir());
+    let places = [folder.to_owned(), folder.join(CACHE)];
+    let has_results = |root: &PathBuf| ResultFolder::open(root).path().is_dir();
+    let root = places.into_iter().find(has_results);
     root.ok_or_else(|| no_results(&format!("{} has no results", folder.display())))
 }
 
@@ -124,11 +123,8 @@ fn runs_of(folders: &[ResultFolder]) -> Result<Vec<Parts<'_>>, Failure> {
     if runs.is_empty() {
         return Err(no_results("there are no results in these folders"));
     }
-    if runs.len() > 1
-        && !runs
-            .values()
-            .all(|(run, _)| run.settings.contains_key(NAME))
-    {
+    let has_name = |(run, _): &(Run, PathBuf)| run.settings.contains_key(NAME);
+    if runs.len() > 1 && !runs.values().all(has_name) {
         let places = runs.values().map(|(_, place)| place.display().to_string());
         let mut places: Vec<String> = places.collect();
         places.sort();
@@ -137,10 +133,8 @@ fn runs_of(folders: &[ResultFolder]) -> Result<Vec<Parts<'_>>, Failure> {
             "the file run.json of each says what it judged; remove the folders of the other runs";
         return Err(Failure::new(Exit::BadInput, message, Some(help)));
     }
-    let runs = runs.into_iter();
-    Ok(runs
-        .map(|(id, (run, _))| Parts::of(id, run, folders))
-        .collect())
+    let parts = |(id, (run, _))| Parts::of(id, run, folders);
+    Ok(runs.into_iter().map(parts).collect())
 }
 
 /// Results of all parts, in the order of the cases; a missing one is a result that says so. Causes are those that the
@@ -161,11 +155,10 @@ fn joined_results(
         for (name, _) in &of.run.cases {
             match of_cases.remove(name.as_str()) {
                 Some(Some((kept, folder))) => {
-                    let judged = if arguments.files.wants_evidence() {
-                        with_images(kept, folder, &of.id, suite)
-                    } else {
-                        kept.clone().judged()
-                    };
+                    let mut judged = kept.clone().judged();
+                    if arguments.files.page.is_asked() {
+                        add_images(&mut judged, (kept, folder), &of.id, suite);
+                    }
                     results.push(judged.result.clone());
                     found.push((of.name(), judged));
                 }
@@ -173,13 +166,8 @@ fn joined_results(
                 None => missing.push((name, &of.missing)),
             }
         }
-        let settings = &of.run.settings;
-        loosened.push(JudgedWith::of(
-            settings,
-            profile.as_ref(),
-            skipped,
-            &results,
-        ));
+        let (settings, profile) = (&of.run.settings, profile.as_ref());
+        loosened.push(JudgedWith::of(settings, profile, skipped, &results));
     }
     let mut judged = in_order(found, suite);
     let is_verified = runs[0].run.command == "verify";
@@ -187,22 +175,19 @@ fn joined_results(
         judged.extend(judging::without_case(suite)?);
     }
     let results: Vec<CaseResult> = judged.iter().map(|of| of.result.clone()).collect();
-    let (found, judged_with) = (
-        Diagnosis::of_results(&results),
-        JudgedWith::of_runs(loosened),
-    );
+    let found = Diagnosis::of_results(&results);
+    let judged_with = JudgedWith::of_runs(loosened);
     let text = if is_verified {
         verify::in_words(&results, arguments.verbose)
     } else {
         let said = PrintedVerdicts {
-            speaks: !arguments.files.prints_json(),
+            speaks: !arguments.files.json.is_printed(),
             widest: report::widest(results.iter().map(|result| &result.name)),
             folds_missing: !arguments.verbose,
             waits: false,
         };
         results.iter().for_each(|result| said.verdict(result));
-        said.print(&(said.without_image(&results) + &report::summary_text(&results)));
-        said.print(&report::judged_with_text(&judged_with));
+        said.summary(&results, &judged_with);
         report::likely_text(&found, 0.0)
     };
     let all = runs.iter().map(|of| of.run.cases.len()).sum();
@@ -212,20 +197,23 @@ fn joined_results(
     }
     let findings = Findings {
         command: if is_verified { "verify" } else { "validate" },
-        has_known: false,
         judged,
         found,
         judged_with,
-        origin: None,
+        ..Findings::default()
     };
     let exit = exit(&findings.results());
     let text = arguments.files.write(findings, text)?;
     Ok(Outcome { text, exit })
 }
 
-/// The result `kept` of a run in `folder` with its images. The verdict holds without them.
-fn with_images(kept: &KeptResult, folder: &ResultFolder, run: &str, suite: &Suite) -> Judged {
-    let mut judged = kept.clone().judged();
+/// Adds its images to a result that is `kept` in a folder. The verdict holds without them.
+fn add_images(
+    judged: &mut Judged,
+    (kept, folder): (&KeptResult, &ResultFolder),
+    run: &str,
+    suite: &Suite,
+) {
     if judged.result.cause != Cause::Golden {
         let case = suite.case(&judged.result.name);
         let golden = case.and_then(|case| Golden::read(&suite.store(), case).ok());
@@ -233,12 +221,11 @@ fn with_images(kept: &KeptResult, folder: &ResultFolder, run: &str, suite: &Suit
     }
     match folder.image(run, kept) {
         Ok(image) => judged.evidence.test = image,
-        Err(reason) => judged
-            .result
-            .notes
-            .push(format!("its image is missing: {reason}")),
+        Err(reason) => {
+            let note = format!("its image is missing: {reason}");
+            judged.result.notes.push(note);
+        }
     }
-    judged
 }
 
 /// Results of runs in the order of the suite, and by the names of runs; a case of several is named with its run.
@@ -284,7 +271,10 @@ fn by_case<'p>(of: &'p Parts<'_>) -> Result<BTreeMap<&'p str, OfCase<'p>>, Failu
                     let verdict = it.result.verdict.name();
                     format!("{verdict} in {}", folder.path().display())
                 });
-                return Err(contradiction(&format!("results of {name}"), &said));
+                let message = format!("two results of {name} differ: {}", said.join(", "));
+                let help = "the renderer, the images or the machine were not the same: leave out, or remove, the older \
+                            results";
+                return Err(Failure::new(Exit::BadInput, message, Some(help)));
             }
         }
     }
@@ -339,11 +329,7 @@ fn joined_self_test(
             None => missing.push((name, &of.missing)),
         }
     }
-    let which = match (missing.is_empty(), run.is_everything) {
-        (false, _) => SelfTestCases::Part,
-        (true, true) => SelfTestCases::Whole,
-        (true, false) => SelfTestCases::Selected,
-    };
+    let which = SelfTestCases::of(missing.is_empty(), run.is_everything);
     let test = SelfTest::of(&cases, &found, which);
     let mut value = report::self_test_json(&test);
     if !missing.is_empty() {
@@ -356,12 +342,6 @@ fn joined_self_test(
         text: arguments.files.json.instead_of(text, &value)?,
         exit: Exit::first_of([selftest::exit_of(&test)].into_iter().chain(undecided)),
     })
-}
-
-fn contradiction(two: &str, said: &[String; 2]) -> Failure {
-    let message = format!("two {two} differ: {}", said.join(", "));
-    let help = "the renderer, the images or the machine were not the same: leave out, or remove, the older results";
-    Failure::new(Exit::BadInput, message, Some(help))
 }
 
 /// Reason of a case without a result.

@@ -120,11 +120,7 @@ fn run() -> Exit {
             return exit;
         }
     };
-    if let Err(failure) = threads::start() {
-        output::print_error(&failure);
-        return failure.exit;
-    }
-    let result = match arguments.command {
+    let result = threads::start().and_then(|()| match arguments.command {
         Command::Verify(arguments) => verify::run(arguments),
         Command::Validate(arguments) => validate::run(*arguments),
         Command::Compare(arguments) => progress::during("comparing", || compare::run(arguments)),
@@ -142,7 +138,7 @@ fn run() -> Exit {
         Command::Suite(arguments) => suite_command::run(arguments),
         Command::Schema(arguments) => Ok(schema::run(arguments)),
         Command::Completions(arguments) => Ok(completions::run(arguments)),
-    };
+    });
     match result {
         Ok(outcome) => {
             output::print(&outcome.text);

@@ -119,11 +119,8 @@ fn is_for_ctest() -> bool {
 /// Writes a failure to stderr; with `--json`, as an object to stdout as well.
 pub fn print_error(failure: &Failure) {
     let diagnostic: &dyn miette::Diagnostic = failure.report.as_ref();
-    print_error_object(
-        failure.exit,
-        diagnostic.to_string(),
-        diagnostic.help().map(|help| help.to_string()),
-    );
+    let help = diagnostic.help().map(|help| help.to_string());
+    print_error_object(failure.exit, diagnostic.to_string(), help);
     write_to_stderr(failure);
 }
 
@@ -201,11 +198,8 @@ pub fn check_no_goldens_in(folder: &Path) -> Result<(), Failure> {
     let Some(golden) = golden_mark::golden_within(folder) else {
         return Ok(());
     };
-    let message = format!(
-        "{} holds goldens, such as {}",
-        folder.display(),
-        golden.display()
-    );
+    let [folder, golden] = [folder, &golden].map(Path::display);
+    let message = format!("{folder} holds goldens, such as {golden}");
     let help = "only `volref accept` changes goldens; write elsewhere";
     Err(Failure::new(Exit::BadInput, message, Some(help)))
 }
@@ -260,11 +254,9 @@ pub fn check(outputs: &[Option<&Path>], inputs: &[&Path]) -> Result<(), Failure>
         if let Some(other) =
             before.find(|other| identity.is_some() && self::target(other) == identity)
         {
-            let message = format!(
-                "cannot write {}: it is the same file as another output, {}",
-                path.display(),
-                other.display()
-            );
+            let [path, other] = [path, other].map(|it| it.display());
+            let message =
+                format!("cannot write {path}: it is the same file as another output, {other}");
             let help = "nothing was done; give each output a file of its own";
             return Err(Failure::new(Exit::BadInput, message, Some(help)));
         }
@@ -284,10 +276,8 @@ pub fn check_no_input(path: &Path) -> Result<(), Failure> {
     if !is_input(path) {
         return Ok(());
     }
-    let message = format!(
-        "cannot write {}: it is an input of this command",
-        path.display()
-    );
+    let path = path.display();
+    let message = format!("cannot write {path}: it is an input of this command");
     let help = "it is unchanged; give another file";
     Err(Failure::new(Exit::BadInput, message, Some(help)))
 }
@@ -315,18 +305,14 @@ pub fn make_folder(folder: &Path) -> Result<(), Failure> {
     check_no_goldens_in(folder)
 }
 
-/// A number with its noun: `1 unit`, `2 units`.
-pub fn number_of(number: u64, noun: &str) -> String {
-    match number {
-        1 => format!("1 {noun}"),
-        _ => format!("{number} {noun}s"),
-    }
+/// A number on the command line that `is_right`; else what was `expected`.
+pub fn number(text: &str, is_right: impl Fn(f64) -> bool, expected: &str) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|number| is_right(*number));
+    number.ok_or_else(|| expected.to_owned())
 }
 
 /// Exposure on the command line, in stops.
 pub fn stops(text: &str) -> Result<f64, String> {
-    match text.parse() {
-        Ok(stops) if f64::abs(stops) <= 64.0 => Ok(stops),
-        _ => Err("an exposure is a number of stops from -64 to 64, such as -1.5".to_owned()),
-    }
+    let expected = "an exposure is a number of stops from -64 to 64, such as -1.5";
+    number(text, |stops| stops.abs() <= 64.0, expected)
 }

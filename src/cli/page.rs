@@ -1,6 +1,5 @@
 //! `--report DIR`: results as one offline page.
 
-use super::command_line::command_line;
 use super::failure::Failure;
 use super::output;
 use crate::report::{self, Page};
@@ -18,6 +17,7 @@ pub struct ReportPage {
 }
 
 impl ReportPage {
+    /// True if a page is asked for, which shows the images behind the results.
     pub fn is_asked(&self) -> bool {
         self.report.is_some()
     }
@@ -36,16 +36,12 @@ impl ReportPage {
         output::check_own(&page)
     }
 
-    /// Writes the page of a command, its title, if that was asked for, and says so in `text`.
-    pub fn write(&self, page: Page<'_>, text: &mut String) -> Result<(), Failure> {
+    /// Writes the page if one is asked for, and says so in `text`.
+    pub fn write(&self, page: &Page<'_>, text: &mut String) -> Result<(), Failure> {
         let Some(folder) = &self.report else {
             return Ok(());
         };
-        let html = report::results_html(&Page {
-            title: &format!("volref {}", page.title),
-            command: &command_line(),
-            ..page
-        });
+        let html = report::results_html(page);
         let path = output::write_within(folder, Path::new(PAGE), html.as_bytes())?;
         text.push_str(&format!("\nreport: {}\n", path.display()));
         Ok(())

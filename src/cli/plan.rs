@@ -2,7 +2,7 @@
 
 use super::failure::{Failure, bad_input};
 use super::output::{self, Json};
-use super::suite::scene_file;
+use super::suite::named_scene;
 use super::{Outcome, progress};
 use crate::render::counters::Event;
 use crate::render::plan::{Estimator, PlanError};
@@ -49,23 +49,19 @@ fn plan_for<'s>(panel: &'s Panel, names: &[String]) -> Result<Plan<'s>, PlanErro
 
 /// Runs the command.
 pub fn run(mut arguments: Arguments) -> Result<Outcome, Failure> {
-    arguments.scene = scene_file(&arguments.scene)?;
+    arguments.scene = named_scene(&arguments.scene)?.file;
     let outputs = [arguments.json.file()];
     output::check(&outputs, &[&arguments.scene])?;
     let read = || Scene::load(&arguments.scene);
     let scene = progress::during("reading the scene", read)?;
     output::check(&outputs, &[])?;
-    let plans = scene
-        .panels
-        .iter()
-        .map(|panel| plan_for(panel, &arguments.force))
-        .collect::<Result<Vec<_>, _>>()
-        .map_err(bad_input)?;
+    let plan = |panel| plan_for(panel, &arguments.force);
+    let plans: Result<Vec<_>, _> = scene.panels.iter().map(plan).collect();
+    let plans = plans.map_err(bad_input)?;
     let mut work = Vec::new();
     if arguments.counters {
         let bar = progress::image("counting");
         let rendering = render::render(&plans, Sampling::default(), &bar);
-        bar.finish_and_clear();
         work = rendering.map_err(bad_input)?.work;
     }
     let (width, height) = (scene.width(), scene.height());
@@ -115,7 +111,6 @@ fn described(plan: &Plan<'_>, work: Option<&Counters>, text: &mut String) -> Val
         "effects": plan.decisions,
         "warnings": plan.warnings,
         "rays": rays,
-        "defaults": [],
     });
     describe_volumes(panel, text, &mut json);
     let mut section = |title: &str, lines: Vec<String>| {
@@ -147,7 +142,7 @@ fn described(plan: &Plan<'_>, work: Option<&Counters>, text: &mut String) -> Val
     let defaults = panel.readings.iter();
     let defaults = defaults.filter(|reading| reading.origin != Origin::Given);
     let widest = widest(defaults.clone().map(|reading| &reading.key));
-    let mut lines = Vec::new();
+    let (mut lines, mut entries) = (Vec::new(), Vec::new());
     for Reading { key, value, origin } in defaults {
         let mut default = json!({ "key": key, "value": value });
         let mut line = format!("{key:<widest$}  {value}");
@@ -155,12 +150,10 @@ fn described(plan: &Plan<'_>, work: Option<&Counters>, text: &mut String) -> Val
             default["rule"] = json!(rule);
             line.push_str(&format!("  ({rule})"));
         }
-        json["defaults"]
-            .as_array_mut()
-            .expect("it begins so")
-            .push(default);
+        entries.push(default);
         lines.push(line);
     }
+    json["defaults"] = json!(entries);
     if lines.is_empty() {
         lines.push("none".to_owned());
     }

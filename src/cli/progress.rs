@@ -16,7 +16,7 @@ const FRAME: Duration = Duration::from_millis(100);
 /// Length of the bar for each of the parts of the work, such as cases: more than any has steps.
 const PART: u64 = 1 << 40;
 
-/// A progress display, until it is dropped or [finished](Bar::finish_and_clear).
+/// A progress display, until it is dropped.
 pub struct Bar {
     /// Hidden in a pipe.
     bar: ProgressBar,
@@ -24,24 +24,35 @@ pub struct Bar {
     steps: AtomicU64,
 }
 
-/// Progress of one image; `label` names the work.
+/// Progress of one image, or of work without known parts; `label` names the work.
 pub fn image(label: &str) -> Bar {
-    Bar::begin(label)
+    let is_terminal = std::io::stderr().is_terminal();
+    let bar = match is_terminal {
+        true => ProgressBar::no_length(),
+        false => ProgressBar::hidden(),
+    };
+    bar.set_style(style("{spinner} {wide_msg}"));
+    bar.set_message(label.to_owned());
+    if is_terminal {
+        bar.enable_steady_tick(FRAME);
+    }
+    Bar {
+        bar,
+        steps: AtomicU64::new(0),
+    }
 }
 
 /// Progress of that many parts, such as cases.
 pub fn counted(parts: usize) -> Bar {
-    let bar = Bar::begin("");
+    let bar = image("");
     bar.set_length(parts as u64 * PART);
     bar
 }
 
 /// Runs `work` without known parts, such as reading files.
 pub fn during<T>(label: &str, work: impl FnOnce() -> T) -> T {
-    let bar = Bar::begin(label);
-    let result = work();
-    bar.finish_and_clear();
-    result
+    let _bar = image(label);
+    work()
 }
 
 /// Prints a line about the work, such as the suite in use.
@@ -61,23 +72,6 @@ pub fn mistake(bar: &Bar, step: &SearchStep) {
 }
 
 impl Bar {
-    fn begin(message: &str) -> Bar {
-        let is_terminal = std::io::stderr().is_terminal();
-        let bar = match is_terminal {
-            true => ProgressBar::no_length(),
-            false => ProgressBar::hidden(),
-        };
-        bar.set_style(style("{spinner} {wide_msg}"));
-        bar.set_message(message.to_owned());
-        if is_terminal {
-            bar.enable_steady_tick(FRAME);
-        }
-        Bar {
-            bar,
-            steps: AtomicU64::new(0),
-        }
-    }
-
     /// Now the share done is known.
     fn set_length(&self, length: u64) {
         let template = "{spinner} [{bar:16}] {percent} % done, about {eta} left, {wide_msg}";
@@ -115,9 +109,6 @@ impl Bar {
     pub fn suspend<T>(&self, write: impl FnOnce() -> T) -> T {
         self.bar.suspend(write)
     }
-
-    /// Ends the display, and clears it on a terminal.
-    pub fn finish_and_clear(self) {}
 }
 
 impl Drop for Bar {

@@ -15,6 +15,7 @@ use crate::scene::{Conventions, Length, Model, Origin, Reading, Scene, samples};
 use crate::sensitivity::number;
 use crate::volume::volume_format;
 use serde_json::json;
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -211,16 +212,14 @@ impl Arguments {
     /// The image of `scene`, by the plain renderers if they are asked for and there are such.
     fn rendered(&self, scene: &Scene, plans: &[Plan], sampling: Sampling) -> Result<Film, String> {
         let bar = progress::image("rendering");
-        let film = if self.reference && plans.iter().all(has_plain_renderer) {
+        if self.reference && plans.iter().all(has_plain_renderer) {
             let centres: Vec<bool> = plans.iter().map(|plan| !plan.is_sampled()).collect();
             reference::render(scene, sampling, &centres).map_err(|error| error.to_string())
         } else {
             let rendering = render::render(plans, sampling, &bar);
             let film = rendering.map(|rendering| rendering.film);
             film.map_err(|error| error.to_string())
-        };
-        bar.finish_and_clear();
-        film
+        }
     }
 }
 
@@ -257,12 +256,8 @@ fn warnings_of_all<'p>(plans: &'p [Plan<'_>]) -> Vec<&'p Reason> {
 
 /// A note on an image that is black, or too dark to be seen at the exposure of a `preview`.
 fn brightness_note(film: &Film, plans: &[Plan<'_>], preview: Option<f64>) -> Option<String> {
-    let most = film
-        .radiance()
-        .iter()
-        .flatten()
-        .copied()
-        .fold(0.0, f32::max);
+    let values = film.radiance().as_flattened().iter().copied();
+    let most = values.fold(0.0, f32::max);
     let stops = (-math::log2(most.into())).round();
     match plans {
         [plan] if most == 0.0 && matches!(plan.kernel, Kernel::Background(_)) => {
@@ -296,10 +291,8 @@ fn range_notes(plans: &[Plan<'_>]) -> Vec<String> {
 
 /// True of a volume file. A description of bare samples ends in .toml, as scenes do.
 fn is_volume(path: &Path) -> bool {
-    let is_toml = path
-        .extension()
-        .is_some_and(|extension| extension.eq_ignore_ascii_case("toml"));
-    !is_toml && volume_format(path).is_some()
+    let is_toml = |ending: &OsStr| ending.eq_ignore_ascii_case("toml");
+    !path.extension().is_some_and(is_toml) && volume_format(path).is_some()
 }
 
 /// The format of an image to be written, of linear `values`.

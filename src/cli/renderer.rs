@@ -1,6 +1,7 @@
 //! Options of the renderer that `volref validate --run` calls, or `--serve` starts.
 
 use super::failure::{Exit, Failure, bad_input};
+use super::output::number;
 use crate::renderers::{
     CallSettings, CommandTemplate, OtherRenderer, RendererOptions, hashes_of_files,
 };
@@ -124,10 +125,8 @@ impl RendererArguments {
 
 /// A time limit: positive and finite.
 pub fn seconds(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(seconds) if seconds > 0.0 && seconds <= 1e9 => Ok(seconds),
-        _ => Err("a time limit is a positive number of seconds".to_owned()),
-    }
+    let expected = "a time limit is a positive number of seconds";
+    number(text, |it| it > 0.0 && it <= 1e9, expected)
 }
 
 /// A time in words: `10m`, `90s`, `1h`; a number alone is seconds.

@@ -1,5 +1,6 @@
 //! Result files of `verify` and `validate`.
 
+use super::command_line::command_line;
 use super::failure::{Exit, Failure};
 use super::known::count_in;
 use super::output::{self, Json};
@@ -19,10 +20,11 @@ pub struct ResultFiles {
     #[arg(long, value_name = "FILE")]
     junit: Option<PathBuf>,
     #[command(flatten)]
-    report: ReportPage,
+    pub page: ReportPage,
 }
 
 /// Results of a command on the suite.
+#[derive(Default)]
 pub struct Findings<'f> {
     /// `verify` or `validate`.
     pub command: &'f str,
@@ -41,35 +43,23 @@ pub struct Findings<'f> {
 impl Findings<'_> {
     /// The results alone.
     pub fn results(&self) -> Vec<CaseResult> {
-        self.judged
-            .iter()
-            .map(|judged| judged.result.clone())
-            .collect()
+        let judged = self.judged.iter();
+        judged.map(|judged| judged.result.clone()).collect()
     }
 }
 
 impl ResultFiles {
-    /// True if standard output is for JSON alone.
-    pub fn prints_json(&self) -> bool {
-        self.json.is_printed()
-    }
-
-    /// True if the report needs the images behind the results.
-    pub fn wants_evidence(&self) -> bool {
-        self.report.is_asked()
-    }
-
     /// Fails if a file cannot be written; called before long work.
     pub fn check(&self) -> Result<(), Failure> {
-        let page = self.report.file();
-        self.report.check()?;
+        let page = self.page.file();
+        self.page.check()?;
         let outputs = [self.json.file(), self.junit.as_deref(), page.as_deref()];
         output::check(&outputs, &[])
     }
 
     /// Fails if files are asked for that only results fill.
     pub fn check_no_results(&self) -> Result<(), Failure> {
-        if self.junit.is_none() && !self.report.is_asked() {
+        if self.junit.is_none() && !self.page.is_asked() {
             return Ok(());
         }
         let message =
@@ -79,21 +69,21 @@ impl ResultFiles {
 
     /// Writes the requested files, and returns the text to print: `text`, or JSON instead.
     pub fn write(&self, findings: Findings<'_>, mut text: String) -> Result<String, Failure> {
-        let judged = findings.judged.into_iter();
-        let (results, evidence): (Vec<_>, Vec<_>) = judged
-            .map(|judged| (judged.result, judged.evidence))
-            .unzip();
+        let both = |judged: Judged| (judged.result, judged.evidence);
+        let (results, evidence): (Vec<_>, Vec<_>) = findings.judged.into_iter().map(both).unzip();
         if let Some(path) = &self.junit {
-            output::write(
-                path,
-                report::results_junit(&results, &findings.judged_with).as_bytes(),
-            )?;
+            let junit = report::results_junit(&results, &findings.judged_with);
+            output::write(path, junit.as_bytes())?;
         }
         let page = Page {
+            title: &format!("volref {}", findings.command),
+            command: &command_line(),
             judged_with: &findings.judged_with.in_words(),
-            ..Page::of(findings.command, &results, &evidence, &findings.found)
+            results: &results,
+            evidence: &evidence,
+            found: &findings.found,
         };
-        self.report.write(page, &mut text)?;
+        self.page.write(&page, &mut text)?;
         let mut json = report::results_json(findings.command, &results);
         if findings.command == "validate" {
             json["looks_like"] = json!(findings.found.likely);

@@ -1,7 +1,7 @@
 //! `volref selftest [FILTER…]`
 
 use super::failure::{Exit, Failure};
-use super::kept::{PartArguments, say_kept};
+use super::kept::PartArguments;
 use super::output::{self, Json};
 use super::{Outcome, progress};
 use crate::judging::{SelfTest, SelfTestCases, case_trials, self_test_steps};
@@ -39,16 +39,12 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     part.partition.retain(&mut cases, name)?;
     let store = suite.store();
     let bar = progress::counted(self_test_steps(cases.len()));
-    let which = match (part.partition.is_whole(), filters.is_empty()) {
-        (false, _) => SelfTestCases::Part,
-        (true, true) => SelfTestCases::Whole,
-        (true, false) => SelfTestCases::Selected,
-    };
+    let which = SelfTestCases::of(part.partition.is_whole(), filters.is_empty());
     let found = case_trials(&cases, &store, arguments.quick, &|step| bar.show(step));
-    bar.finish_and_clear();
+    drop(bar);
     if let Some(kept) = to_keep {
         let names: Vec<String> = cases.iter().map(name).collect();
-        say_kept(&kept.keep(&names, &[], &found)?);
+        kept.keep(&names, &[], &found)?;
     }
     let test = SelfTest::of(&cases, &found, which);
     let value = report::self_test_json(&test);
@@ -66,10 +62,6 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
 /// The exit code of a self-test.
 pub fn exit_of(test: &SelfTest) -> Exit {
     let golden = (!test.unusable.is_empty()).then_some(Exit::Golden);
-    let of_the_suite = if test.judges_right() {
-        Exit::Passed
-    } else {
-        Exit::SelfTest
-    };
-    Exit::first_of(golden.into_iter().chain([of_the_suite]))
+    let wrong = (!test.judges_right()).then_some(Exit::SelfTest);
+    Exit::first_of(golden.into_iter().chain(wrong).chain([Exit::Passed]))
 }

@@ -3,12 +3,12 @@
 use super::failure::{Failure, bad_input};
 use super::output::{self, Json};
 use super::render::format_of;
-use super::suite::scene_file;
+use super::suite::named_scene;
 use super::threads::Threads;
 use super::{Outcome, progress};
 use crate::film::{Film, FilmFormat};
 use crate::render::Detail;
-use crate::report::{blue_to_red, widest};
+use crate::report::{signed_colour, widest};
 use crate::scene::{Scene, samples};
 use crate::sensitivity::{Differences, Number, derivative, number, numbers};
 use crate::suite::sensitivities_of;
@@ -68,7 +68,7 @@ fn positive(text: &str) -> Result<f64, String> {
 
 /// Runs the command.
 pub fn run(mut arguments: Arguments) -> Result<Outcome, Failure> {
-    arguments.scene = scene_file(&arguments.scene)?;
+    arguments.scene = named_scene(&arguments.scene)?.file;
     let outputs = [arguments.output.as_deref(), arguments.json.file()];
     output::check(&outputs, &[&arguments.scene])?;
     let scene = progress::during("reading the scene", || Scene::load(&arguments.scene))?;
@@ -230,9 +230,7 @@ fn in_red_and_blue(film: &Film) -> Vec<u8> {
     let mut sizes: Vec<f64> = means.iter().map(|mean| mean.abs()).collect();
     sizes.sort_by(f64::total_cmp);
     let full = sizes[(sizes.len() - 1) * 99 / 100].max(f64::MIN_POSITIVE);
-    let shares = means.iter().map(|mean| (mean / full).clamp(-1.0, 1.0));
-    // Square roots, so that small derivatives are seen.
-    let colour = |share: f64| blue_to_red(share.abs().sqrt().copysign(share));
-    let codes: Vec<[u8; 3]> = shares.map(colour).collect();
+    let colour = |mean: &f64| signed_colour(mean / full);
+    let codes: Vec<[u8; 3]> = means.iter().map(colour).collect();
     Film::codes_to_png(&codes, film.width(), film.height())
 }

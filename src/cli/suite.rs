@@ -3,7 +3,7 @@
 use super::embedded;
 use super::failure::{Exit, Failure};
 use crate::files::regular_file::note_input;
-use crate::suite::{Case, SUITE_VARIABLE, Suite, SuiteError};
+use crate::suite::{CACHE, Case, SUITE_VARIABLE, Suite, SuiteError};
 use std::path::{Path, PathBuf};
 
 /// The selected cases of a suite.
@@ -18,10 +18,7 @@ pub struct Selection {
 impl Selection {
     /// The suite. All its files count as inputs, even unread ones.
     pub fn open(&self) -> Result<Suite, Failure> {
-        let suite = match &self.folder {
-            Some(folder) => Suite::open(folder)?,
-            None => here_or_embedded()?,
-        };
+        let suite = open(self.folder.as_deref())?;
         suite.files().iter().for_each(|file| note_input(file));
         Ok(suite)
     }
@@ -41,37 +38,29 @@ impl Selection {
     /// current folder.
     pub fn kept_folder(&self, suite: &Suite) -> PathBuf {
         match self.is_embedded() {
-            true => Path::new(HERE).join(KEPT),
+            true => Path::new(HERE).join(CACHE),
             false => suite.cache_folder(),
         }
     }
 
     /// True if the suite is that within the program.
     fn is_embedded(&self) -> bool {
-        self.folder.is_none() && named_suite().is_none() && !is_suite(Path::new(HERE))
+        folder_of(self.folder.as_deref()).is_none()
     }
 
     /// The command line that repeats `command` for one case of this suite.
     pub fn again(&self, command: &str, case: &str, arguments: &[String]) -> String {
-        let words = ["volref", command, case].map(str::to_owned).into_iter();
-        let words: Vec<String> = words.chain(self.words()).collect();
-        shell_words::join(words.iter().chain(arguments))
-    }
-
-    /// The arguments that name this suite.
-    pub fn words(&self) -> Vec<String> {
+        let mut words = ["volref", command, case].map(str::to_owned).to_vec();
         // Whoever repeats the command may have another environment.
-        let folder = self.folder.clone().or_else(named_suite);
-        let words = folder.map(|folder| ["--suite".to_owned(), folder.display().to_string()]);
-        words.into_iter().flatten().collect()
+        if let Some(folder) = self.folder.clone().or_else(named_suite) {
+            words.extend(["--suite".to_owned(), folder.display().to_string()]);
+        }
+        shell_words::join(words.iter().chain(arguments))
     }
 }
 
 /// The current folder.
 const HERE: &str = ".";
-
-/// Folder for results, and for renderings until they are accepted.
-pub const KEPT: &str = ".volref";
 
 /// The folder that the environment variable [`VOLREF_SUITE`](SUITE_VARIABLE) names.
 fn named_suite() -> Option<PathBuf> {
@@ -79,19 +68,21 @@ fn named_suite() -> Option<PathBuf> {
     named.map(PathBuf::from)
 }
 
-fn is_suite(folder: &Path) -> bool {
-    folder.join("fixtures/cases").is_dir()
+/// Folder of the suite in use: the one `given`, else the one that the environment names, else the current one if it has a
+/// suite; `None` of the suite within the program.
+fn folder_of(given: Option<&Path>) -> Option<PathBuf> {
+    let here = Path::new(HERE);
+    let is_here = || here.join("fixtures/cases").is_dir();
+    let outside = given.map(Path::to_owned).or_else(named_suite);
+    outside.or_else(|| is_here().then(|| here.to_owned()))
 }
 
-/// The suite that the environment names, else that in the current folder, else that within the program.
-fn here_or_embedded() -> Result<Suite, Failure> {
-    if let Some(folder) = named_suite() {
-        return Ok(Suite::open(&folder)?);
+/// The suite in use.
+fn open(given: Option<&Path>) -> Result<Suite, Failure> {
+    match folder_of(given) {
+        Some(folder) => Ok(Suite::open(&folder)?),
+        None => embedded::open(),
     }
-    if is_suite(Path::new(HERE)) {
-        return Ok(Suite::open(Path::new(HERE))?);
-    }
-    embedded::open()
 }
 
 /// A scene that was named on the command line.
@@ -102,11 +93,6 @@ pub struct NamedScene {
     pub name: String,
     /// Exposure of its 8-bit images, in stops, of a case.
     pub exposure: Option<f64>,
-}
-
-/// The file of the [`named_scene`].
-pub fn scene_file(given: &Path) -> Result<PathBuf, Failure> {
-    named_scene(given).map(|scene| scene.file)
 }
 
 /// The scene that `given` names: a file, or a case of the suite.
@@ -122,7 +108,7 @@ pub fn named_scene(given: &Path) -> Result<NamedScene, Failure> {
     };
     let parent = given.parent().filter(|parent| *parent != Path::new(""));
     let is_in_a_place = parent.is_some_and(Path::exists);
-    let suite = here_or_embedded()?;
+    let suite = open(None)?;
     let is_it = |case: &&Case| case.name == name || case.name.ends_with(&format!("/{name}"));
     let cases: Vec<&Case> = suite.cases().iter().filter(is_it).collect();
     match cases[..] {

@@ -2,11 +2,14 @@
 
 use super::failure::{Failure, bad_input};
 
+/// Most threads.
+const MOST: u16 = 1024;
+
 /// Option for the number of threads.
 #[derive(clap::Args, Debug)]
 pub struct Threads {
     /// Threads to use; the image is the same for any number [default: all cores]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=i64::from(MOST)))]
     threads: Option<u16>,
 }
 
@@ -35,8 +38,8 @@ pub fn start() -> Result<(), Failure> {
         return Ok(());
     };
     let refused = |why: &str| bad_input(format!("{name} asks for {threads} threads: {why}"));
-    if threads > 1024 {
-        return Err(refused("at most 1024 are started"));
+    if threads > MOST.into() {
+        return Err(refused(&format!("at most {MOST} are started")));
     }
     // 0 stands for the number of cores.
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);

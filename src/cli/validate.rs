@@ -3,7 +3,7 @@
 use super::command_line::command_line;
 use super::failure::{EXIT_CODES, Exit, Failure, bad_input, exit};
 use super::help::EXAMPLE_FIRST;
-use super::kept::{KeptResults, NAME, PartArguments, say_kept};
+use super::kept::{KeptResults, NAME, PartArguments};
 use super::known::{KnownArgument, KnownFile};
 use super::renderer::{Command, RendererArguments};
 use super::results::{Findings, ResultFiles};
@@ -17,7 +17,7 @@ use crate::film::{Alpha, Bits, FilmFormat};
 use crate::judging::{
     CaseResult, Judged, JudgedWith, MoreSamples, before_background, declared, is_open, validate_at,
 };
-use crate::renderers::{ImageSource, OtherRenderer, Rendered, in_order, stop_all};
+use crate::renderers::{ImageSource, Rendered, in_order, stop_all};
 use crate::report;
 use crate::suite::{Case, Output, Outputs, Store, Suite};
 use clap::ArgAction;
@@ -147,9 +147,8 @@ pub struct Arguments {
 pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let suite = arguments.part.selection.open()?;
     let selected = suite.select(&arguments.filters)?.into_iter().cloned();
-    let selected: Vec<Case> = selected
-        .map(|case| with_promise(case, &arguments))
-        .collect();
+    let with_promise = |case| with_promise(case, &arguments);
+    let selected: Vec<Case> = selected.map(with_promise).collect();
     let mut cases: Vec<&Case> = selected.iter().collect();
     let keep = arguments.keep.as_deref();
     keep.map_or(Ok(()), output::check_no_goldens_in)?;
@@ -177,8 +176,9 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let mut judged = judge.all(&cases, &said, &mut skipped);
     judge.decide(&cases, &mut judged, &said);
     // The search for mistakes needs no renderer.
-    let staying = judge.source.renderer().and_then(OtherRenderer::staying);
-    staying.inspect(|staying| staying.end());
+    if let Some(staying) = judge.source.renderer().and_then(|it| it.staying.as_ref()) {
+        staying.end();
+    }
     let (judged_with, (found, text)) =
         CauseSearch::run(&arguments.explain, arguments.accept_conventions, |search| {
             search.announce(&judged);
@@ -189,20 +189,18 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
             }
             let passed_over = passed_over.into_iter().map(|(name, _)| name);
             let part: Vec<String> = cases.iter().map(name).chain(passed_over).collect();
-            let keep = |judged: &[Judged]| match &to_keep {
-                Some(kept) => kept.keep(&part, judged, &[]).map(|place| say_kept(&place)),
-                None => Ok(()),
+            let keep = |judged: &[Judged]| {
+                let kept = to_keep.as_ref();
+                kept.map_or(Ok(()), |kept| kept.keep(&part, judged, &[]))
             };
             if judged.is_empty() {
                 keep(&judged)?;
                 return Err(judge.nothing_compared());
             }
-            let results: Vec<CaseResult> =
-                judged.iter().map(|judged| judged.result.clone()).collect();
-            said.print(&(said.without_image(&results) + &report::summary_text(&results)));
+            let results: Vec<CaseResult> = judged.iter().map(|it| it.result.clone()).collect();
             let settings = arguments.settings(profile);
             let judged_with = JudgedWith::of(&settings, profile, skipped, &results);
-            said.print(&report::judged_with_text(&judged_with));
+            said.summary(&results, &judged_with);
             said.print(&judge.unknown_files());
             let (found, mut text) = search.mistakes(&cases, profile, &mut judged);
             if let Some(known) = &judge.known {
@@ -233,10 +231,8 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
 /// `case` with the biases that an image must be able to show by these arguments.
 fn with_promise(mut case: Case, arguments: &Arguments) -> Case {
     let decides = arguments.renderer.decide;
-    let promise = arguments
-        .resolution
-        .map(|percent| Promise::of_mean(percent / 100.0));
-    case.promise = match promise {
+    let resolution = arguments.resolution;
+    case.promise = match resolution.map(|percent| Promise::of_mean(percent / 100.0)) {
         Some(promise) if decides => promise.with_blocks(),
         Some(promise) => promise,
         None if decides => case.promise.decisive(),
@@ -357,8 +353,8 @@ impl Judge<'_> {
     /// such a handler they end by their time limit.
     fn ends_with_us(&self) {
         let renderer = self.source.renderer();
-        let temporary = renderer.map(|renderer| renderer.temporary().to_owned());
-        let staying = renderer.and_then(OtherRenderer::staying).cloned();
+        let temporary = renderer.map(|renderer| renderer.temporary.path().to_owned());
+        let staying = renderer.and_then(|renderer| renderer.staying.clone());
         interrupt::before_the_end(move || {
             stop_all();
             if let Some(staying) = &staying {
@@ -395,7 +391,7 @@ impl Judge<'_> {
     fn printed(&self, cases: &[&Case]) -> PrintedVerdicts {
         let is_finished = matches!(self.source, ImageSource::Finished(_));
         PrintedVerdicts {
-            speaks: !self.arguments.files.prints_json(),
+            speaks: !self.arguments.files.json.is_printed(),
             widest: report::widest(cases.iter().map(|case| &case.name)),
             folds_missing: !self.arguments.verbose && is_finished,
             waits: self.arguments.renderer.decide,
@@ -430,7 +426,6 @@ impl Judge<'_> {
             }
             Err(case) => skipped.push(case),
         });
-        bar.finish_and_clear();
         in_order_of_cases
     }
 
@@ -448,11 +443,13 @@ impl Judge<'_> {
             note: &progress::note,
         };
         interrupt::can_be_cut_short(|| more.decide(cases, judged));
-        let decided = judged
+        for (judged, _) in judged
             .iter()
             .zip(were_open)
-            .filter(|(_, was_open)| *was_open);
-        decided.for_each(|(judged, _)| said.verdict(&judged.result));
+            .filter(|(_, was_open)| *was_open)
+        {
+            said.verdict(&judged.result);
+        }
     }
 
     /// Judges the image of one case; an error if it has none and is to be skipped.

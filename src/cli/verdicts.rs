@@ -3,7 +3,7 @@
 use super::progress;
 use super::{interrupt, is_in_ci, output};
 use crate::conventions::Profile;
-use crate::judging::{CaseResult, Cause, Judged, Verdict};
+use crate::judging::{CaseResult, Cause, Judged, JudgedWith, Verdict};
 use crate::naming::{ConventionSearch, Diagnosis, Predictions, Search, SearchStep, diagnosis};
 use crate::report;
 use crate::suite::{Case, Suite};
@@ -40,15 +40,15 @@ impl PrintedVerdicts {
         }
     }
 
-    /// Number of cases not listed.
-    pub fn without_image(&self, results: &[CaseResult]) -> String {
-        match results.iter().filter(|result| self.folds(result)).count() {
-            0 => String::new(),
-            count => {
-                let cases = output::number_of(count as u64, "case");
-                format!("{cases} without an image; --verbose lists them\n")
-            }
+    /// Prints how many cases are not listed, how many have each verdict, and what loosens the judgements.
+    pub fn summary(&self, results: &[CaseResult], judged_with: &JudgedWith) {
+        let folded = results.iter().filter(|result| self.folds(result)).count();
+        if folded > 0 {
+            let cases = report::number_of(folded, "case");
+            self.print(&format!("{cases} without an image; --verbose lists them\n"));
         }
+        self.print(&report::summary_text(results));
+        self.print(&report::judged_with_text(judged_with));
     }
 }
 
@@ -62,23 +62,10 @@ pub struct ExplainArgument {
     explain: Option<f64>,
 }
 
-impl ExplainArgument {
-    /// The limit; `is_asked` if a verdict depends on the search.
-    pub fn seconds(&self, is_asked: bool) -> f64 {
-        let is_left_out = is_in_ci() && !is_asked;
-        let default = if is_left_out { 0 } else { Search::BUDGET };
-        self.explain.unwrap_or(default.into())
-    }
-}
-
 /// A time limit for the search: not negative, and finite.
 fn search_time(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(seconds) if (0.0..=1e9).contains(&seconds) => Ok(seconds),
-        _ => Err(
-            "the time for a search is a number of seconds up to 1e9; 0 means no search".to_owned(),
-        ),
-    }
+    let expected = "the time for a search is a number of seconds up to 1e9; 0 means no search";
+    output::number(text, |it| (0.0..=1e9).contains(&it), expected)
 }
 
 /// The search for the causes of failures: conventions first, then mistakes.
@@ -97,8 +84,10 @@ impl CauseSearch {
         is_asked: bool,
         work: impl FnOnce(&mut CauseSearch) -> T,
     ) -> T {
+        let is_wanted = is_asked || !is_in_ci();
+        let default = if is_wanted { Search::BUDGET } else { 0 };
         let mut search = CauseSearch {
-            seconds: argument.seconds(is_asked),
+            seconds: argument.explain.unwrap_or(default.into()),
             is_left_out: argument.explain.is_none(),
         };
         interrupt::can_be_cut_short(|| work(&mut search))
@@ -175,7 +164,6 @@ impl CauseSearch {
             progress: &|step| progress::mistake(&bar, step),
         };
         let found = diagnosis(cases, profile, judged, &search);
-        bar.finish_and_clear();
         let text = report::likely_text(&found, self.seconds);
         (found, text)
     }

@@ -1,13 +1,12 @@
 //! `volref verify [FILTER…]`
 
 use super::failure::{EXIT_CODES, Failure, exit};
-use super::kept::{PartArguments, say_kept};
+use super::kept::PartArguments;
 use super::results::{Findings, ResultFiles};
 use super::threads::Threads;
 use super::{Outcome, output, progress};
 use crate::judging;
-use crate::judging::{CaseResult, Evidence, JudgedWith, Verdict};
-use crate::naming::Diagnosis;
+use crate::judging::{CaseResult, Evidence, Verdict};
 use crate::report;
 use crate::suite::Case;
 use std::collections::BTreeMap;
@@ -41,7 +40,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
     let name = |case: &&Case| case.name.clone();
     part.partition.retain(&mut cases, name)?;
     let store = suite.store();
-    let shows = to_keep.is_some() || arguments.files.wants_evidence();
+    let shows = to_keep.is_some() || arguments.files.page.is_asked();
     let mut judged = arguments.threads.run(|| {
         let bar = progress::counted(cases.len());
         let verified = cases.iter().map(|case| {
@@ -53,9 +52,7 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
             bar.end_part();
             judged
         });
-        let judged: Vec<_> = verified.collect();
-        bar.finish_and_clear();
-        judged
+        verified.collect::<Vec<_>>()
     })?;
 
     for judged in &mut judged {
@@ -63,28 +60,21 @@ pub fn run(arguments: Arguments) -> Result<Outcome, Failure> {
         judged.evidence.reproduce = vec![again];
     }
     let names: Vec<String> = cases.iter().map(name).collect();
-    let kept = to_keep.map(|kept| kept.keep(&names, &judged, &[]));
+    let kept = to_keep.map_or(Ok(()), |kept| kept.keep(&names, &judged, &[]));
     if filters.is_empty() && part.partition.is_first() {
         judged.extend(judging::without_case(&suite)?);
     }
     let findings = Findings {
         command: "verify",
         judged,
-        found: Diagnosis::default(),
-        judged_with: JudgedWith::default(),
-        has_known: false,
-        origin: None,
+        ..Findings::default()
     };
     let results = findings.results();
     let text = in_words(&results, arguments.verbose);
-    match kept {
-        Some(Ok(place)) => say_kept(&place),
-        Some(Err(failure)) => {
-            // The verdicts hold all the same.
-            output::print(&text);
-            return Err(failure);
-        }
-        None => {}
+    if let Err(failure) = kept {
+        // The verdicts hold all the same.
+        output::print(&text);
+        return Err(failure);
     }
     Ok(Outcome {
         text: arguments.files.write(findings, text)?,

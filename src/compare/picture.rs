@@ -87,14 +87,6 @@ impl Picture {
         }
     }
 
-    /// [`Film::with_samples`] for radiance; no effect on 8-bit codes.
-    pub fn with_samples(self, samples: u32) -> Picture {
-        match self {
-            Picture::Radiance(film) => Picture::Radiance(film.with_samples(samples)),
-            codes => codes,
-        }
-    }
-
     /// Linear radiance; `None` for 8-bit codes.
     pub fn radiance(&self) -> Option<&Film> {
         match self {

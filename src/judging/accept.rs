@@ -19,9 +19,10 @@ use crate::suite::rendering::{CaseRendering, Render, check_class, render_case};
 use crate::suite::{Case, ConvergedSampling, GoldenError, Quick, Store, StoreError, sensitivities};
 use miette::Diagnostic;
 use std::fmt::Display;
+use std::path::PathBuf;
 use thiserror::Error;
 
-/// What became of the golden of one case.
+/// The outcome for the golden of one case.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Accepted {
     /// `family/name`.
@@ -89,20 +90,20 @@ pub struct Request<'r> {
 impl Request<'_> {
     /// Fails where no golden may change.
     fn check(&self) -> Result<(), AcceptError> {
-        let (reason, help) = if self.in_ci {
-            (
+        let fault = if self.in_ci {
+            [
                 "goldens are not accepted where CI is set: nobody looks at the images there",
                 "accept on your own machine, look at the images, commit them",
-            )
+            ]
         } else if self.reason.trim().is_empty() {
-            (
+            [
                 "a golden changes only with a reason, and none was given",
                 "state what was wrong before, or what a first golden is for: --reason \"…\"",
-            )
+            ]
         } else {
             return Ok(());
         };
-        let [reason, help] = [reason, help].map(str::to_owned);
+        let [reason, help] = fault.map(str::to_owned);
         Err(AcceptError::Refused { reason, help })
     }
 }
@@ -194,10 +195,10 @@ impl<'c> LoadedCase<'c> {
         let renderings = match case.sampling {
             None => vec![CaseRendering::Only],
             Some(sampling) => {
+                let mut renderings = vec![CaseRendering::Quick(sampling.quick)];
                 let converged = sampling.converged;
-                let converged = converged.map(|of| CaseRendering::Converged(of.samples));
-                let quick = CaseRendering::Quick(sampling.quick);
-                [quick].into_iter().chain(converged).collect()
+                renderings.extend(converged.map(|of| CaseRendering::Converged(of.samples)));
+                renderings
             }
         };
         Ok(LoadedCase {
@@ -274,9 +275,8 @@ impl<'c> LoadedCase<'c> {
                 return Err(AcceptError::refused(self.case, reason, help));
             }
         }
-        if let Some(bound) =
-            error_bound.filter(|&bound| self.case.is_limit() && bound > LIMIT_KNOWN)
-        {
+        let rough = error_bound.filter(|&bound| self.case.is_limit() && bound > LIMIT_KNOWN);
+        if let Some(bound) = rough {
             let reason = format!(
                 "the integral of a pixel may be off by {bound:.1e} of the brightest pixel; a limit is \
                  known to {LIMIT_KNOWN:e}: does an opacity of 1 make it rough?"
@@ -353,10 +353,8 @@ const LIMIT_KNOWN: f64 = 1e-6;
 fn sensitivities_of(task: &LoadedCase<'_>, store: &Store) -> Result<Option<Vec<u8>>, AcceptError> {
     let case = task.case;
     let fails = |fault: String| {
-        Err(AcceptError::incomplete(
-            case,
-            GoldenError::sensitivities(case, fault),
-        ))
+        let error = GoldenError::sensitivities(case, fault);
+        Err(AcceptError::incomplete(case, error))
     };
     if let Some(bytes) = store.read(&sensitivities_file(case))? {
         return match sensitivities::decoded(&bytes, &task.scene) {
@@ -378,15 +376,13 @@ fn is_of(golden: &Golden, scene: &Scene) -> bool {
     made_from.scene == scene_hash(scene) && made_from.inputs == input_hashes(scene)
 }
 
-type GoldenFiles = Vec<(std::path::PathBuf, Vec<u8>)>;
-
 /// The change of the golden of a case, and the files that make it.
 fn prepare(
     task: &LoadedCase<'_>,
     golden: GoldenImage,
     store: &Store,
     reason: &str,
-) -> Result<(Accepted, GoldenFiles), AcceptError> {
+) -> Result<(Accepted, Vec<(PathBuf, Vec<u8>)>), AcceptError> {
     let LoadedCase { case, scene, .. } = task;
     let plans = plans(scene);
     let changed = |change, detail: &str| Accepted {
@@ -420,16 +416,12 @@ fn prepare(
             let [before, after] =
                 [&old.film, &golden.film].map(|film| Picture::Radiance(film.clone()));
             let judgement = judge(Gate::Exact, &before, &after, &Conditions::default());
-            changed(
-                Change::Replaced,
-                &judgement.expect("both images are radiance").reason,
-            )
+            let judgement = judgement.expect("both images are radiance");
+            changed(Change::Replaced, &judgement.reason)
         }
         Some(old) if same_file(old) => {
-            return Ok((
-                changed(Change::Unchanged, "kept, with its old reason"),
-                Vec::new(),
-            ));
+            let kept = changed(Change::Unchanged, "kept, with its old reason");
+            return Ok((kept, Vec::new()));
         }
         Some(old) => {
             // A picture that stays keeps its reason.

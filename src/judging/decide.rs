@@ -34,8 +34,8 @@ const GROWTH: [f64; 2] = [2.0, 16.0];
 /// The part of the pixels in which variance is looked up: those that have most.
 const MOST_NOISY: usize = 1000;
 
-/// What they have of all variance, at least, and in another rendering over what they have in the one,
-/// at most, where the variance is not known.
+/// The variance is not known where these pixels have at least the first share of all variance, and in another rendering
+/// at most the second share of what they have in the one.
 const CONCENTRATED: f64 = 0.3;
 const AGREEMENT: f64 = 0.4;
 
@@ -84,11 +84,8 @@ impl Concentration {
         let of_sample = |film: &Film| -> Option<Vec<f64>> {
             let samples = film.samples()? as f64;
             let variances = film.noise()?.variance().iter();
-            Some(
-                variances
-                    .map(|pixel| samples * pixel.map(f64::from).iter().sum::<f64>())
-                    .collect(),
-            )
+            let sums = variances.map(|pixel| pixel.map(f64::from).iter().sum::<f64>());
+            Some(sums.map(|sum| samples * sum).collect())
         };
         let (one, other) = (of_sample(one)?, of_sample(other)?);
         if one.len() != other.len() {

@@ -10,7 +10,6 @@ use crate::suite::golden::{accept_advice, plan_hash, scene_hash, short};
 use crate::suite::rendering::check_class;
 use crate::suite::sensitivities;
 use crate::suite::{Case, Golden, GoldenError, Quick, Store};
-use std::collections::BTreeMap;
 
 /// A result, and the images behind it.
 #[derive(Clone, Debug)]
@@ -70,11 +69,10 @@ impl CheckedGolden {
     pub fn load(case: &Case, store: &Store) -> Result<CheckedGolden, CaseResult> {
         let bad_input = |reason| CaseResult::new(Verdict::Error, Cause::BadInput, reason);
         let bad_golden = |reason| CaseResult::new(Verdict::Error, Cause::Golden, reason);
-        let scene = case
-            .load_scene()
-            .map_err(|error| bad_input(error.to_string()))?;
+        let scene = case.load_scene();
+        let scene = scene.map_err(|error| bad_input(error.to_string()))?;
         check_class(case, &plans(&scene)).map_err(bad_input)?;
-        let golden = Golden::read(store, case).map_err(|error| match error {
+        let mut golden = Golden::read(store, case).map_err(|error| match error {
             GoldenError::Missing(_) => {
                 CaseResult::new(Verdict::Missing, Cause::Golden, error.to_string())
             }
@@ -83,7 +81,6 @@ impl CheckedGolden {
         if let Some(reason) = stale(case, &scene, &golden) {
             return Err(bad_golden(reason));
         }
-        let mut golden = golden;
         if case.truth.is_some() && case.sampling.is_some() {
             // Means of samples are compared with the mean of their distribution.
             golden.film = golden.film.known();
@@ -97,17 +94,22 @@ impl CheckedGolden {
         })
     }
 
-    /// Adds the kept sensitivities of a stochastic `case`, by which images of other renderers are
+    /// [Loads](Self::load) also the kept sensitivities of a stochastic `case`, by which images of other renderers are
     /// judged.
-    pub fn with_sensitivities(mut self, case: &Case) -> Result<CheckedGolden, CaseResult> {
-        let kept = self.golden.sensitivities.as_deref();
+    pub fn load_with_sensitivities(
+        case: &Case,
+        store: &Store,
+    ) -> Result<CheckedGolden, CaseResult> {
+        let mut checked = CheckedGolden::load(case, store)?;
+        let kept = checked.golden.sensitivities.as_deref();
         if let Some(bytes) = kept.filter(|_| case.sampling.is_some()) {
-            self.sensitivities = sensitivities::decoded(bytes, &self.scene).map_err(|fault| {
+            let sensitivities = sensitivities::decoded(bytes, &checked.scene);
+            checked.sensitivities = sensitivities.map_err(|fault| {
                 let reason = GoldenError::sensitivities(case, fault).to_string();
                 CaseResult::new(Verdict::Error, Cause::Golden, reason)
             })?;
         }
-        Ok(self)
+        Ok(checked)
     }
 
     /// The scene under the conventions of `profile`, with its image in place of the golden; unchanged
@@ -229,11 +231,11 @@ fn stale(case: &Case, scene: &Scene, golden: &Golden) -> Option<String> {
         ),
         (provenance.exposure != case.exposure, "exposure of the case"),
     ];
-    let key = changed_key(&provenance.judged_by, &case.judged_by);
-    let changed = changes
-        .into_iter()
-        .find_map(|(is_changed, what)| is_changed.then_some(what));
-    let changed = changed.map(str::to_owned);
+    let (recorded, now) = (&provenance.judged_by, &case.judged_by);
+    let mut keys = recorded.keys().chain(now.keys());
+    let key = keys.find(|key| recorded.get(*key) != now.get(*key));
+    let changed = changes.into_iter().find(|(is_changed, _)| *is_changed);
+    let changed = changed.map(|(_, what)| what.to_owned());
     let what = match changed.or_else(|| Some(format!("{} of the case", key?))) {
         Some(what) => format!("the {what} has changed since the golden was accepted"),
         None if MARGIN * provenance.error_estimate > resolution => {
@@ -248,16 +250,6 @@ fn stale(case: &Case, scene: &Scene, golden: &Golden) -> Option<String> {
         None => return None,
     };
     Some(format!("stale: {what}; {}", accept_advice(case)))
-}
-
-/// The first key that one of them lacks or has with another value.
-fn changed_key<'k>(
-    recorded: &'k BTreeMap<String, String>,
-    now: &'k BTreeMap<String, String>,
-) -> Option<&'k str> {
-    let mut keys = recorded.keys().chain(now.keys());
-    let changed = keys.find(|key| recorded.get(*key) != now.get(*key));
-    changed.map(String::as_str)
 }
 
 /// True if the renderings that the golden records are those of another class.

@@ -1,4 +1,4 @@
-//! What loosens the judgements of a run, for whoever reads its results.
+//! Settings that loosen the judgements of a run, for whoever reads its results.
 
 use super::{CaseResult, Verdict};
 use crate::conventions::Profile;
@@ -21,8 +21,8 @@ pub(crate) struct JudgedWith {
 }
 
 impl JudgedWith {
-    /// What loosens `results` under the `settings` of a run and a `profile`. `skipped` are the names of cases without a
-    /// result, with a reason.
+    /// Everything that loosens `results` under the `settings` of a run and a `profile`. `skipped` are the names of cases
+    /// without a result, with a reason.
     pub fn of(
         settings: &BTreeMap<String, String>,
         profile: Option<&Profile>,
@@ -53,7 +53,7 @@ impl JudgedWith {
         }
     }
 
-    /// What loosens the judgements of any of the runs; of a setting that they have in several values, the last one.
+    /// Everything that loosens the judgements of any of the runs. A setting with several values has the last one.
     pub fn of_runs(runs: Vec<JudgedWith>) -> JudgedWith {
         let mut all = JudgedWith::default();
         for run in runs {

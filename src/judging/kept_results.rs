@@ -9,7 +9,8 @@ use crate::compare::Picture;
 use crate::files::atomic_file::directory_of;
 use crate::files::program_hash::hash;
 use crate::files::{own_file, regular_file};
-use crate::film::{Film, FilmFormat};
+use crate::film::FilmFormat;
+use crate::suite::golden::short;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -34,7 +35,7 @@ impl Run {
     /// Identifier: a short hash of everything above.
     pub fn id(&self) -> String {
         let text = serde_json::to_vec(self).unwrap_or_default();
-        hash(&[text]).chars().take(12).collect()
+        short(&hash(&[text]))
     }
 }
 
@@ -68,15 +69,12 @@ pub struct KeptResult {
 
 impl KeptResult {
     fn of(judged: &Judged) -> KeptResult {
-        let format = |picture: &Picture| match picture {
-            Picture::Radiance(_) => FilmFormat::Exr,
-            Picture::Codes(_) => FilmFormat::Png,
-        };
+        let Judged { result, evidence } = judged;
         KeptResult {
-            result: judged.result.clone(),
-            cause: judged.result.cause,
-            evidence: judged.evidence.clone(),
-            image: judged.evidence.test.as_ref().map(format),
+            cause: result.cause,
+            result: result.clone(),
+            evidence: evidence.clone(),
+            image: None,
         }
     }
 
@@ -93,12 +91,6 @@ impl KeptResult {
 }
 
 const SCHEMA: &str = "volref/part/1";
-
-/// The file of a part with these cases within the folder of its run.
-fn part_file(cases: &[String]) -> String {
-    let short: String = hash(cases).chars().take(12).collect();
-    format!("{short}.json")
-}
 
 /// Name of a folder of results.
 const RESULTS: &str = "results";
@@ -163,30 +155,27 @@ impl ResultFolder {
         let inner = name.join(RESULTS).join(run.id());
         let folder = own_file::make_folder(root, &inner)?;
         write(&folder.join(RUN), run)?;
-        for judged in judged {
-            let Some(picture) = &judged.evidence.test else {
-                continue;
+        let mut results: Vec<KeptResult> = judged.iter().map(KeptResult::of).collect();
+        for (kept, judged) in results.iter_mut().zip(judged) {
+            let (format, bytes) = match &judged.evidence.test {
+                Some(Picture::Radiance(film)) => (FilmFormat::Exr, film.to_exr()?),
+                Some(Picture::Codes(codes)) => (FilmFormat::Png, codes.to_png()),
+                None => continue,
             };
-            let (format, bytes) = match picture {
-                Picture::Radiance(film) => (FilmFormat::Exr, film.to_exr()),
-                Picture::Codes(codes) => {
-                    let png = Film::codes_to_png(codes.pixels(), codes.width(), codes.height());
-                    (FilmFormat::Png, Ok(png))
-                }
-            };
-            let path = image_file(&folder, &judged.result.name, format);
-            let case = directory_of(Path::new(&judged.result.name));
-            own_file::make_folder(root, &inner.join(case))?;
-            own_file::write(&path, &bytes?)?;
+            let name = &judged.result.name;
+            own_file::make_folder(root, &inner.join(directory_of(Path::new(name))))?;
+            own_file::write(&image_file(&folder, name, format), &bytes)?;
+            kept.image = Some(format);
         }
         let part = Part {
             schema: SCHEMA.to_owned(),
             run: run.id(),
-            results: judged.iter().map(KeptResult::of).collect(),
+            results,
             trials,
             cases,
         };
-        write(&folder.join(part_file(&part.cases)), &part)?;
+        let name = format!("{}.json", short(&hash(&part.cases)));
+        write(&folder.join(name), &part)?;
         Ok(folder)
     }
 

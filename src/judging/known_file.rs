@@ -10,9 +10,6 @@ use crate::scene::SceneResult;
 use crate::scene::format::{Key, Kind, Range, Table};
 use crate::scene::reader::{Document, Reader};
 use crate::suite::{Suite, SuiteError};
-use serde::Deserialize;
-use serde::de::IntoDeserializer;
-use serde::de::value::Error as ValueError;
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use toml::Spanned;
@@ -91,7 +88,7 @@ impl KnownFailures {
             let text_of_name: &str = name.get_ref();
             let cases = cases_named(suite, text_of_name)
                 .map_err(|(message, help)| at_name(message, help))?;
-            let line = line_at(text, name.span().start);
+            let line = 1 + text[..name.span().start].matches('\n').count();
             let entry = entry(&document, text_of_name, value, (line, cases))?;
             if entry.reason.trim().is_empty() && !may_lack_reasons {
                 let message = format!("the known failure {text_of_name:?} has no reason");
@@ -112,8 +109,7 @@ impl KnownFailures {
         Ok(known)
     }
 
-    /// What the file says of `result`; `None` of one that is neither listed nor a failure, and of one that was not
-    /// judged.
+    /// The status of `result` by the file; `None` if it is neither listed nor a failure, or was not judged.
     pub fn of(&self, result: &CaseResult) -> Option<Known> {
         let entry = self.entry(&result.name);
         let (status, change) = match entry {
@@ -185,18 +181,16 @@ impl Entry {
     /// The largest sizes of known failures that the entry does not bound, and could.
     fn unwritten<'r>(&self, results: impl Iterator<Item = &'r CaseResult>) -> Keys {
         let sizes: Vec<_> = results.map(Size::of).collect();
-        let most = |key: usize| {
-            let of_key = sizes.iter().filter_map(|sizes| Some(sizes[key]?.bound));
-            of_key
-                .max_by(f64::total_cmp)
-                .filter(|_| self.bounds[key].is_none())
+        let most = |key: &usize| {
+            let of_key = sizes.iter().filter_map(|sizes| Some(sizes[*key]?.bound));
+            Some((BOUNDS[*key], Some(of_key.max_by(f64::total_cmp)?.into())))
         };
-        let keys = (0..2).filter_map(|key| Some((BOUNDS[key], Some(most(key)?.into()))));
-        keys.collect()
+        let unbounded = (0..2).filter(|key| self.bounds[*key].is_none());
+        unbounded.filter_map(|key| most(&key)).collect()
     }
 
-    /// What the entry says of the `result` of one of its cases, and the line to change, with what to write there.
-    /// `None` of a result that was not judged.
+    /// The status by this entry of the `result` of one of its cases, and the line to change, with its new text. `None` if
+    /// the case was not judged.
     fn status(&self, result: &CaseResult) -> Option<(KnownStatus, Option<(usize, String)>)> {
         if result.cause >= Cause::Golden {
             return None;
@@ -317,13 +311,12 @@ fn entry<'s>(
         return Err(reader.mistake("cause", message, help));
     }
     let verdict = reader.get::<Option<String>>("verdict")?;
-    let verdict: Result<Verdict, ValueError> = verdict.map_or(Ok(Verdict::Fail), |name| {
-        Verdict::deserialize(name.into_deserializer())
-    });
+    let mut verdicts = Verdict::ALL.into_iter();
+    let verdict = verdicts.find(|(_, name, _)| verdict.as_deref() == Some(name));
     Ok(Entry {
         name: name.to_owned(),
         cases,
-        verdict: verdict.unwrap_or(Verdict::Fail),
+        verdict: verdict.map_or(Verdict::Fail, |(verdict, ..)| verdict),
         cause,
         reason: reader.get::<Option<String>>("reason")?.unwrap_or_default(),
         link: reader.get("link")?,
@@ -337,9 +330,4 @@ fn in_words(keys: &Keys) -> String {
     let some = keys.iter();
     let some = some.filter_map(|(key, value)| Some(format!("{key} = {}", value.as_ref()?)));
     some.collect::<Vec<_>>().join(", ")
-}
-
-/// The line, from 1, of the byte at `offset`.
-fn line_at(text: &str, offset: usize) -> usize {
-    1 + text[..offset].matches('\n').count()
 }

@@ -45,12 +45,9 @@ pub(crate) fn gain(case: &Case, golden: &Film, picture: &Picture) -> Option<Stri
 
 /// True of codes, and of radiance from those of a PNG image.
 pub(crate) fn is_of_png(picture: &Picture) -> bool {
-    match picture {
-        Picture::Codes(_) => true,
-        Picture::Radiance(film) => film
-            .quantisation()
-            .is_some_and(|it| it.origin == Origin::Png),
-    }
+    let of_png = |codes: Quantisation| codes.origin == Origin::Png;
+    let film = picture.radiance();
+    film.is_none_or(|film| film.quantisation().is_some_and(of_png))
 }
 
 fn in_words(factors: [f64; 3], is_of_png: bool) -> String {

@@ -19,7 +19,7 @@ const MOST_CALLS: f64 = 64.0;
 /// The reason of a decision that the user ended.
 const INTERRUPTED: &str = "interrupted";
 
-/// Between two looks at whether it was.
+/// Pause between two looks at whether the user ended it.
 const PAUSE: Duration = Duration::from_millis(50);
 
 /// The part of the time limit of a call that a call is to take: estimates may be off by so much.
@@ -307,8 +307,7 @@ impl OpenCase<'_> {
 
 /// True of two images that state their noise and are too much alike to be independent. An image of n samples and
 /// one of 2n that begin with these have a third of the variance that their difference should have. Independent ones
-/// have all of it, to the standard error of as many normal squares as there are pixels, or more where rare samples
-/// make
+/// have all of it, to the standard error of as many normal squares as there are pixels, or more where rare samples make
 /// the stated variances too small.
 fn shares_random_numbers(one: &Film, other: &Film) -> bool {
     let (Some(of_one), Some(of_other)) = (one.noise(), other.noise()) else {

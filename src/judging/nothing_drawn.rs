@@ -58,8 +58,8 @@ pub(crate) fn nothing_drawn(
 /// True if no value of `film` is off from `empty` by more than its tolerance and a code.
 fn is_like(film: &Film, empty: &Film) -> bool {
     let codes = film.quantisation();
-    let mut values = values_of(film).zip(values_of(empty));
-    values.all(|(&value, &nothing)| {
+    let [values, nothings] = [film, empty].map(|film| film.radiance().as_flattened());
+    values.iter().zip(nothings).all(|(&value, &nothing)| {
         let [value, nothing] = [value, nothing].map(f64::from);
         let half_code = codes.map_or(0.0, |it| it.half_code(nothing));
         (value - nothing).abs() <= tolerance(nothing) + 2.0 * half_code
@@ -77,8 +77,4 @@ fn is_opacity_empty(film: &Film) -> bool {
     let most = tolerance(0.0) + 2.0 * opacity::rounding(film);
     let stated = opacity::stated(film).unwrap_or_default();
     stated.iter().all(|&opacity| f64::from(opacity) <= most)
-}
-
-fn values_of(film: &Film) -> impl Iterator<Item = &f32> {
-    film.radiance().as_flattened().iter()
 }

@@ -10,17 +10,11 @@ pub fn declared(output: Output, bits: Option<Bits>, case: &Case) -> Output {
     let Some(bits) = bits else {
         return output;
     };
-    let of = |picture| Ok(Picture::Radiance(radiance(picture, bits, case.exposure)?));
-    let declared = match output {
-        Output::Picture(picture) => of(*picture).map(|picture| Output::Picture(Box::new(picture))),
-        Output::Refined(pictures) => {
-            let pictures: Result<_, String> = pictures.into_iter().map(of).collect();
-            pictures.map(Output::Refined)
-        }
-        other => Ok(other),
-    };
-    let refused = |error| Output::Unusable(format!("the image of {}: {error}", case.name));
-    declared.unwrap_or_else(refused)
+    output.edited(|picture| {
+        let film = radiance(picture, bits, case.exposure);
+        let film = film.map_err(|error| format!("the image of {}: {error}", case.name))?;
+        Ok(Picture::Radiance(film))
+    })
 }
 
 /// `output` for `case`, with its images declared to be colours without the background of their scene. An image of 8 bits
@@ -29,10 +23,9 @@ pub(crate) fn before_background(output: Output, alpha: Option<Alpha>, case: &Cas
     let Some(alpha) = alpha else {
         return output;
     };
-    let scene = match case.load_scene() {
-        Ok(scene) => scene,
-        // Said where the scene is judged.
-        Err(_) => return output,
+    // A fault is said where the scene is judged.
+    let Ok(scene) = case.load_scene() else {
+        return output;
     };
     let mut panels = scene.panels.iter();
     let has_volume = panels.any(|panel| panel.classified().is_some());
@@ -43,15 +36,10 @@ pub(crate) fn before_background(output: Output, alpha: Option<Alpha>, case: &Cas
              or leave --alpha out where colours contain the background"
         ));
     }
-    let of = |picture| match picture {
-        Picture::Radiance(film) => Picture::Radiance(with_background(film, alpha, &scene)),
-        codes => codes,
-    };
-    match output {
-        Output::Picture(picture) => Output::Picture(Box::new(of(*picture))),
-        Output::Refined(pictures) => Output::Refined(pictures.into_iter().map(of).collect()),
-        other => other,
-    }
+    output.edited(|picture| match picture {
+        Picture::Radiance(film) => Ok(Picture::Radiance(with_background(film, alpha, &scene))),
+        codes => Ok(codes),
+    })
 }
 
 /// `film`, whose colours are declared to be `alpha`, before the background of `scene`.
@@ -62,11 +50,12 @@ fn with_background(film: Film, alpha: Alpha, scene: &Scene) -> Film {
     let quantisation = quantisation.or_else(|| Quantisation::recognised(&film, 0.0));
     let behind = |index: usize| background.get(index % columns).copied().unwrap_or_default();
     let film = film.before(alpha, behind);
-    match quantisation {
-        Some(of) => film.quantised(Quantisation {
-            blended: true,
-            ..of
-        }),
+    let blended = quantisation.map(|it| Quantisation {
+        blended: true,
+        ..it
+    });
+    match blended {
+        Some(quantisation) => film.quantised(quantisation),
         None => film,
     }
 }

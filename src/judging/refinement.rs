@@ -15,10 +15,8 @@ const IMAGE: &str = "test image";
 pub fn judge(checked: &CheckedGolden, images: &[Film]) -> Judgement {
     let (first, rest) = images.split_first().expect("three images or more");
     // A renderer that does not take its step from the call makes one image several times.
-    if rest
-        .iter()
-        .all(|image| image.radiance() == first.radiance())
-    {
+    let mut others = rest.iter();
+    if others.all(|image| image.radiance() == first.radiance()) {
         let mut judgement = judge_one(checked, first);
         judgement.reason = format!(
             "all images are the same, whatever the step: does the renderer take it from {{step}} or \
@@ -68,11 +66,8 @@ fn looked_up(scene: &Scene) -> [Film; 2] {
 /// step, and the last step as it is, counted as a whole one, or dropped.
 fn first_order(scene: &Scene) -> Vec<Film> {
     let last_steps = [LastStep::Exact, LastStep::Whole, LastStep::Dropped];
-    let rules = [0.0, 1.0].into_iter();
-    let rules = rules.flat_map(|first| last_steps.map(|last| (first, last)));
-    rules
-        .map(|(first, last)| sampled(scene, first, last))
-        .collect()
+    let images = |first| last_steps.map(|last| sampled(scene, first, last));
+    [0.0, 1.0].into_iter().flat_map(images).collect()
 }
 
 /// Images of `scene` with samples a quarter, half and three quarters of the way along each step. Samples at the beginning

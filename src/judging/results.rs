@@ -49,8 +49,7 @@ impl Verdict {
 
     /// The number of `results` with this verdict.
     pub(crate) fn count(self, results: &[CaseResult]) -> usize {
-        let such = results.iter().filter(|result| result.verdict == self);
-        such.count()
+        results.iter().filter(|it| it.verdict == self).count()
     }
 }
 

@@ -70,10 +70,8 @@ impl CaseTrials {
     }
 
     fn trial(&self, mistake: &str) -> Trial {
-        self.mistakes
-            .get(mistake)
-            .copied()
-            .unwrap_or(Trial::NotTried)
+        let trial = self.mistakes.get(mistake);
+        trial.copied().unwrap_or(Trial::NotTried)
     }
 }
 
@@ -99,14 +97,14 @@ pub struct BenignTrials {
 
 impl BenignTrials {
     fn of(variant: &'static str, found: &[&CaseTrials]) -> BenignTrials {
-        let of_variant = found.iter().map(|of| of.benign.get(variant));
+        let accepts = |of: &&&CaseTrials| of.benign.get(variant) == Some(&None);
         let rejected = found.iter().filter_map(|of| {
             let reason = of.benign.get(variant)?.as_ref()?;
             Some(Rejection::new(&of.case, reason))
         });
         BenignTrials {
             variant,
-            accepted: of_variant.filter(|it| *it == Some(&None)).count(),
+            accepted: found.iter().filter(accepts).count(),
             rejected: rejected.collect(),
         }
     }
@@ -192,6 +190,17 @@ pub enum SelfTestCases {
     Part,
 }
 
+impl SelfTestCases {
+    /// All parts of the selected cases, if they are there; everything, if no filter excludes a case.
+    pub fn of(has_all_parts: bool, is_everything: bool) -> SelfTestCases {
+        match (has_all_parts, is_everything) {
+            (false, _) => SelfTestCases::Part,
+            (true, true) => SelfTestCases::Whole,
+            (true, false) => SelfTestCases::Selected,
+        }
+    }
+}
+
 /// Runs the self-test on `cases`: outcomes of every mistake and of correct images in each. A quick one tries a mistake in
 /// the cases required to catch it, and in others until one does; and correct images in every fourth case.
 pub(crate) fn case_trials(
@@ -251,16 +260,16 @@ impl SelfTest {
                 trials: usable.iter().map(|of| of.trial(mistake.name)).collect(),
             })
             .collect();
+        let is_to_be_caught = |row: &&MistakeTrials| match which {
+            SelfTestCases::Whole => true,
+            SelfTestCases::Selected => row.trials.contains(&Trial::Missed),
+            SelfTestCases::Part => false,
+        };
+        let is_caught = |row: &&MistakeTrials| row.trials.contains(&Trial::Caught);
         let uncaught = mistakes
             .iter()
-            .filter(|row| !row.trials.contains(&Trial::Caught))
-            .filter(|row| match which {
-                SelfTestCases::Whole => true,
-                SelfTestCases::Selected => row.trials.contains(&Trial::Missed),
-                SelfTestCases::Part => false,
-            })
-            .map(|row| row.mistake)
-            .collect();
+            .filter(|row| is_to_be_caught(row) && !is_caught(row));
+        let uncaught = uncaught.map(|row| row.mistake).collect();
         let promised = |of: &CaseTrials, mistake: &str| {
             let case = cases.iter().find(|case| case.name == of.case);
             case.is_some_and(|case| case.mistakes.iter().any(|name| name == mistake))
@@ -273,19 +282,15 @@ impl SelfTest {
                 }
             }
         }
-        let unusable = found
-            .iter()
-            .filter_map(|of| Some(Rejection::new(&of.case, of.unusable.as_ref()?)));
+        let unusable = |of: &CaseTrials| Some(Rejection::new(&of.case, of.unusable.as_ref()?));
+        let benign = |(variant, _): &(&'static str, Benign)| BenignTrials::of(variant, &usable);
         SelfTest {
             cases: usable.iter().map(|of| of.case.clone()).collect(),
             mistakes,
-            benign: BENIGN
-                .iter()
-                .map(|(variant, _)| BenignTrials::of(variant, &usable))
-                .collect(),
+            benign: BENIGN.iter().map(benign).collect(),
             uncaught,
             broken_promises,
-            unusable: unusable.collect(),
+            unusable: found.iter().filter_map(unusable).collect(),
         }
     }
 }
@@ -301,8 +306,7 @@ pub(crate) struct Subject<'c> {
 
 impl<'c> Subject<'c> {
     pub fn new(case: &'c Case, store: &Store) -> Result<Subject<'c>, String> {
-        let checked = CheckedGolden::load(case, store);
-        let checked = checked.and_then(|checked| checked.with_sensitivities(case));
+        let checked = CheckedGolden::load_with_sensitivities(case, store);
         let checked = checked.map_err(|finding| finding.reason)?;
         let samples = case.sampling.map_or(1, |sampling| sampling.quick);
         Ok(Subject {
@@ -387,7 +391,7 @@ const BENIGN: &[(&str, Benign)] = &[
     }),
     ("half-precision", |subject| {
         let half = mapped(subject.honest(), |x, _| (f16::from_f64(x).to_f64(), 1.0));
-        // What half precision cannot hold at all, nobody keeps in it.
+        // Nobody keeps in half precision an image that it cannot hold.
         let held = half.radiance().iter().flatten().all(|x| x.is_finite());
         held.then_some(Picture::Radiance(half))
     }),

@@ -1,12 +1,10 @@
 //! Renderings of volref judged by a known answer, with the gates for other renderers.
 
 use super::finding::MOST_CASES;
-use crate::compare::Margin;
-use crate::compare::{Conditions, Gate, Judgement, Picture, judge, stochastic};
+use crate::compare::{Conditions, Gate, Judgement, Margin, Picture, judge, stochastic};
 use crate::film::Film;
 use crate::known_answers::KnownImage;
-use crate::suite::Case;
-use crate::suite::ERROR_OF_TOLERANCE;
+use crate::suite::{Case, ERROR_OF_TOLERANCE};
 
 /// Largest error of volref against an answer where it draws no random numbers, relative to the
 /// brightest channel of a pixel, beside the error of the answer itself: its integrals are within
@@ -21,13 +19,9 @@ pub(crate) fn judge_by_truth(case: &Case, known: &KnownImage, film: &Film) -> Ju
         return stochastic::judge(&golden, film, MOST_CASES).expect("the answer has no noise");
     }
     let pictures = [&known.film, film].map(|film| Picture::Radiance(film.clone()));
-    let mut judgement = judge(
-        Gate::Deterministic,
-        &pictures[0],
-        &pictures[1],
-        &Conditions::default(),
-    )
-    .expect("both images are radiance");
+    let [right, found] = &pictures;
+    let judgement = judge(Gate::Deterministic, right, found, &Conditions::default());
+    let mut judgement = judgement.expect("both images are radiance");
     let margin = margin(known, film);
     if margin.share().is_finite() {
         let name = ERROR_OF_TOLERANCE.to_owned();

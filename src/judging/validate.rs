@@ -38,8 +38,7 @@ pub(crate) fn validate_at(
 ) -> Judged {
     let cases = look.map_or(MOST_CASES, cases_at);
     let start = Instant::now();
-    let checked = CheckedGolden::load(case, store);
-    let checked = checked.and_then(|checked| checked.with_sensitivities(case));
+    let checked = CheckedGolden::load_with_sensitivities(case, store);
     let checked = checked.map(|checked| CheckedGolden { cases, ..checked });
     let has_image = matches!(output, Output::Picture(_) | Output::Refined(_));
     let checked = checked.and_then(|checked| match profile {
@@ -103,14 +102,10 @@ pub(crate) fn validate_with(case: &Case, checked: &CheckedGolden, picture: Pictu
     let golden = Picture::Radiance(golden);
     let finding = match judged(case, checked, &golden, &picture) {
         Ok(judgement) => with_words(case, checked, judgement, &picture),
-        Err(error) => {
-            let reason = error.to_string();
-            CaseResult::new(Verdict::Error, Cause::OtherRenderer, reason).of_case(
-                "",
-                "",
-                case.gate(),
-            )
-        }
+        Err(error) => CaseResult {
+            gate: case.gate(),
+            ..CaseResult::new(Verdict::Error, Cause::OtherRenderer, error.to_string())
+        },
     };
     let gate = finding.gate;
     let finding = with_what_is_asked(case, checked, &picture, finding);
@@ -187,11 +182,10 @@ fn with_what_is_asked(
         return finding;
     }
     let mut reason = format!("the image agrees; {}", found.in_words(film.width()));
-    if let Some(cause) = depth::cause(&compared, asked, depth) {
-        reason.push_str(&format!("; it is {cause}"));
-    } else {
-        reason.push_str("; write distances from the eye, in world units");
-    }
+    reason.push_str(&match depth::cause(&compared, asked, depth) {
+        Some(cause) => format!("; it is {cause}"),
+        None => "; write distances from the eye, in world units".to_owned(),
+    });
     CaseResult {
         metrics: finding.metrics,
         notes: finding.notes,

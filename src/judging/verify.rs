@@ -7,10 +7,9 @@ use super::{CaseResult, Cause, Evidence, Judged, Verdict};
 use crate::compare::{Conditions, Gate, Judgement, Picture, judge, stochastic};
 use crate::film::Film;
 use crate::render::{self, plans};
-use crate::suite::ERROR_OF_TOLERANCE;
 use crate::suite::golden::{input_hashes, short};
 use crate::suite::rendering::{CaseRendering, Render, render_case};
-use crate::suite::{Answer, Case, Quick, Store, Suite, SuiteError};
+use crate::suite::{Answer, Case, ERROR_OF_TOLERANCE, Quick, Store, Suite, SuiteError};
 use std::time::Instant;
 
 /// Renders `case` and compares every bit with its golden; of a stochastic case the quick
@@ -99,13 +98,12 @@ pub(crate) fn without_case(suite: &Suite) -> Result<Vec<Judged>, SuiteError> {
     let unknown = names.into_iter().filter(|name| !suite.has_manifest(name));
     let reason =
         "this golden belongs to no case: restore the manifest, or remove the golden with it";
-    let judged = |name: String| Judged {
-        result: CaseResult::new(Verdict::Error, Cause::Golden, reason).of_case(
-            &name,
-            "",
-            Gate::Exact,
-        ),
-        evidence: Evidence::default(),
+    let judged = |name: String| {
+        let result = CaseResult::new(Verdict::Error, Cause::Golden, reason);
+        Judged {
+            result: result.of_case(&name, "", Gate::Exact),
+            evidence: Evidence::default(),
+        }
     };
     Ok(unknown.map(judged).collect())
 }
@@ -174,9 +172,8 @@ fn compare_pinned(case: &Case, checked: &CheckedGolden, quick: &Quick, film: &Fi
             let mut judgement = judge_by_truth(case, &known, film);
             if known.film.pixel_hash() != provenance.pixels {
                 judgement.passed = false;
-                judgement
-                    .reason
-                    .insert_str(0, "it does not give the bits of the golden; ");
+                let fault = "it does not give the bits of the golden; ";
+                judgement.reason.insert_str(0, fault);
             }
             (format!("the known answer {:?}", formula.name), judgement)
         }

@@ -116,9 +116,8 @@ fn exported(scene: &Scene, case: &Case, format: &str, exports: &Path) -> Result<
     let name = case.name.rsplit('/').next().unwrap_or(&case.name);
     let export = exchange::export(scene, format, name, Some(case.exposure))
         .map_err(|refusal| Output::Missing(format!("{NOT_RENDERED}{refusal}")))?;
-    export
-        .write_into(&folder)
-        .map_err(|error| Output::Unusable(format!("the export failed: {error}")))?;
+    let failed = |error| Output::Unusable(format!("the export failed: {error}"));
+    export.write_into(&folder).map_err(failed)?;
     Ok(folder.join(&export.main))
 }
 

@@ -45,9 +45,8 @@ impl KeptImages {
     ) -> Result<(), Box<dyn Error>> {
         let mut aside = Vec::new();
         for (name, bytes) in files {
-            let target = self
-                .make_folder(&name)?
-                .join(name.file_name().unwrap_or_default());
+            let folder = self.make_folder(&name)?;
+            let target = folder.join(name.file_name().unwrap_or_default());
             if regular_file::is_input(&target) {
                 return Err(format!("{} is an input", target.display()).into());
             }

@@ -4,6 +4,7 @@ use super::call::{Call, not_run, shown};
 use super::kept_images::files_in;
 use super::process::run;
 use super::{CallSettings, CommandTemplate, KeptImages, StayingRenderers};
+use crate::compare::Picture;
 use crate::files::atomic_file::directory_of;
 use crate::files::{own_file, regular_file};
 use crate::film::Film;
@@ -36,11 +37,11 @@ pub(crate) struct OtherRenderer {
     /// Its options.
     pub options: RendererOptions,
     /// Its programs, if it stays.
-    staying: Option<StayingRenderers>,
+    pub staying: Option<StayingRenderers>,
     /// Images are copied into it.
     kept: Option<KeptImages>,
     /// Holds exports, and a folder for each call, in which it writes images; removed at the end.
-    temporary: TempDir,
+    pub temporary: TempDir,
 }
 
 /// Output for a case, and its origin.
@@ -98,16 +99,6 @@ impl OtherRenderer {
         })
     }
 
-    /// Folder of temporary files.
-    pub fn temporary(&self) -> &Path {
-        self.temporary.path()
-    }
-
-    /// Its programs, if it stays.
-    pub fn staying(&self) -> Option<&StayingRenderers> {
-        self.staying.as_ref()
-    }
-
     /// The output for `case`: of a case without a step, images with three steps, if the command takes
     /// its step from here.
     pub fn output(&self, case: &Case, settings: CallSettings) -> Rendered {
@@ -117,7 +108,7 @@ impl OtherRenderer {
     /// Outcome of the calls for `case`; the error is the output where it was not called.
     fn called(&self, case: &Case, settings: CallSettings) -> Result<Rendered, Output> {
         let options = &self.options;
-        let exports = self.temporary().join("exports");
+        let exports = self.temporary.path().join("exports");
         let mut call = Call::new(&options.template, case, settings, &exports)?;
         let has_steps = case.is_limit() && options.template.takes_step();
         if let Some(kept) = &self.kept {
@@ -125,7 +116,7 @@ impl OtherRenderer {
             kept.make_folder(Path::new(&case.name)).map_err(not_run)?;
         }
         // Nothing in it can be the image of an earlier run.
-        let folder = tempfile::tempdir_in(self.temporary()).map_err(not_run)?;
+        let folder = tempfile::tempdir_in(self.temporary.path()).map_err(not_run)?;
         let folder = folder.path();
         let family = folder.join(directory_of(Path::new(&case.name)));
         std::fs::create_dir_all(family).map_err(not_run)?;
@@ -206,16 +197,16 @@ impl OtherRenderer {
                 unwritten(&step_name(&case.name, 1), "with a smaller step")
             }
             // As far as is known, it did what it was asked for.
-            Output::Picture(picture) if self.asks_for_samples() => {
-                Output::Picture(Box::new(picture.with_samples(settings.spp)))
+            output @ Output::Picture(_) if self.options.template.uses("spp") => {
+                output.edited(|picture| match picture {
+                    Picture::Radiance(film) => {
+                        Ok(Picture::Radiance(film.with_samples(settings.spp)))
+                    }
+                    codes => Ok(codes),
+                })
             }
             output => output,
         }
-    }
-
-    /// The command passes the number of samples.
-    fn asks_for_samples(&self) -> bool {
-        self.options.template.uses("spp")
     }
 
     /// Replaces the image of the last call by these, if images are kept: one image, or several renderings.

@@ -14,7 +14,7 @@ use std::thread::sleep;
 use std::time::{Duration, Instant};
 
 /// Outcome of a call of a renderer, or of a request.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Called {
     /// The output where there is no image.
     pub failure: Option<Output>,
@@ -72,8 +72,7 @@ pub(super) fn counted(work: impl FnOnce() -> Result<Called, String>) -> Called {
     RUNNING.fetch_sub(1, Ordering::SeqCst);
     called.unwrap_or_else(|error| Called {
         failure: Some(Output::Unusable(error)),
-        notes: Vec::new(),
-        printed: String::new(),
+        ..Called::default()
     })
 }
 

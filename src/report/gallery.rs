@@ -8,7 +8,7 @@ use crate::compare::Picture;
 use crate::film::Film;
 use crate::judging::{CaseResult, Judged};
 use crate::suite::{Case, Family};
-use cell::{Differences, bias, fault, shown, small};
+use cell::{Differences, bias, fault, small};
 use mark::{Mark, legend};
 use minijinja::{Value, context};
 use serde::Deserialize;
@@ -80,7 +80,8 @@ pub(crate) fn gallery_row(
     golden: Result<Film, String>,
     judged: Vec<Option<Judged>>,
 ) -> GalleryRow {
-    let displayed = |picture: Picture| shown(&picture, case.exposure);
+    // As it is displayed, if it has pixels.
+    let displayed = |picture: Picture| picture.srgb(case.exposure).ok();
     let trouble = golden.as_ref().err().cloned();
     let golden = golden.ok();
     let golden = golden.and_then(|film| displayed(Picture::Radiance(film)));

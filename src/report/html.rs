@@ -28,25 +28,6 @@ pub struct Page<'a> {
     pub found: &'a Diagnosis,
 }
 
-impl<'a> Page<'a> {
-    /// The page of a command that is not said, without what loosens it.
-    pub fn of(
-        title: &'a str,
-        results: &'a [CaseResult],
-        evidence: &'a [Evidence],
-        found: &'a Diagnosis,
-    ) -> Page<'a> {
-        Page {
-            title,
-            command: "",
-            judged_with: "",
-            results,
-            evidence,
-            found,
-        }
-    }
-}
-
 const TEMPLATE: Template = Template {
     blocks: include_str!("html/template.html"),
     style: include_str!("html/page.css"),
@@ -57,15 +38,13 @@ const TEMPLATE: Template = Template {
 pub fn results_html(page: &Page<'_>) -> String {
     let none = Evidence::default();
     let mut order: Vec<usize> = (0..page.results.len()).collect();
+    let rank = |verdict: Verdict| ORDER.iter().position(|&other| other == verdict);
     order.sort_by_key(|&index| rank(page.results[index].verdict));
-    let cases: Vec<Value> = order
-        .par_iter()
-        .enumerate()
-        .map(|(position, &index)| {
-            let evidence = page.evidence.get(index).unwrap_or(&none);
-            case::view(position, &page.results[index], evidence, &page.found.likely)
-        })
-        .collect();
+    let view = |(position, &index): (usize, &usize)| {
+        let evidence = page.evidence.get(index).unwrap_or(&none);
+        case::view(position, &page.results[index], evidence, &page.found.likely)
+    };
+    let cases: Vec<Value> = order.par_iter().enumerate().map(view).collect();
     let results = page.results.iter();
     let mut families: Vec<&str> = results.map(|result| result.family.as_str()).collect();
     families.sort_unstable();
@@ -108,10 +87,6 @@ const ORDER: [Verdict; 6] = [
     Verdict::Error,
     Verdict::Pass,
 ];
-
-fn rank(verdict: Verdict) -> Option<usize> {
-    ORDER.iter().position(|&other| other == verdict)
-}
 
 /// The conventions behind images, with the number of cases; those of most cases first.
 fn conventions(results: &[CaseResult]) -> Vec<Value> {

@@ -16,6 +16,6 @@ pub use html::{Page, results_html};
 pub(crate) use json::results_json;
 pub(crate) use junit::results_junit;
 pub(crate) use self_test::{self_test_json, self_test_text};
-pub(crate) use template::blue_to_red;
-pub(crate) use terminal::{families_text, judged_with_text, results_text, summary_text};
+pub(crate) use template::signed_colour;
+pub(crate) use terminal::{families_text, judged_with_text, number_of, results_text, summary_text};
 pub use terminal::{likely_text, verdict_text, widest};

@@ -89,24 +89,20 @@ pub(crate) fn self_test_json(test: &SelfTest) -> Value {
             .map(|(case, _)| case.as_str())
             .collect()
     };
-    let mistakes: Vec<Value> = test
-        .mistakes
-        .iter()
-        .map(|row| {
-            json!({
-                "name": row.mistake,
-                "advice": mistakes::named(row.mistake).map(|mistake| mistake.advice),
-                "caught_by": cases_where(row, Trial::Caught),
-                "missed_by": cases_where(row, Trial::Missed),
-                "no_occasion": cases_where(row, Trial::NoOccasion),
-            })
+    let mistake = |row: &MistakeTrials| {
+        json!({
+            "name": row.mistake,
+            "advice": mistakes::named(row.mistake).map(|mistake| mistake.advice),
+            "caught_by": cases_where(row, Trial::Caught),
+            "missed_by": cases_where(row, Trial::Missed),
+            "no_occasion": cases_where(row, Trial::NoOccasion),
         })
-        .collect();
+    };
     let rejected: usize = test.benign.iter().map(|row| row.rejected.len()).sum();
     json!({
         "schema": "volref/selftest/1",
         "cases": test.cases,
-        "mistakes": mistakes,
+        "mistakes": test.mistakes.iter().map(mistake).collect::<Vec<_>>(),
         "benign": test.benign,
         "summary": {
             "mistakes": test.mistakes.len(),

@@ -48,8 +48,14 @@ pub(super) fn image_address(codes: &[[u8; 3]], columns: usize, rows: usize) -> S
     format!("data:image/png;base64,{png}")
 }
 
+/// The colour of a share, cut off at −1 and 1: by the root of its size, so that small ones are seen beside large ones.
+pub(crate) fn signed_colour(share: f64) -> [u8; 3] {
+    let share = share.clamp(-1.0, 1.0);
+    blue_to_red(share.abs().sqrt().copysign(share))
+}
+
 /// The colour of a share from −1, blue, to 1, red.
-pub(crate) fn blue_to_red(share: f64) -> [u8; 3] {
+pub(super) fn blue_to_red(share: f64) -> [u8; 3] {
     let from_red = 0.5 - 0.5 * share;
     colorous::RED_BLUE.eval_continuous(from_red).into_array()
 }

@@ -11,6 +11,14 @@ pub fn widest(names: impl IntoIterator<Item: AsRef<str>>) -> usize {
     lengths.max().unwrap_or(0)
 }
 
+/// A number with its noun: `1 case`, `2 cases`.
+pub(crate) fn number_of(number: usize, noun: &str) -> String {
+    match number {
+        1 => format!("1 {noun}"),
+        _ => format!("{number} {noun}s"),
+    }
+}
+
 /// A line for each family with cases that passed, every other case with its reason, and a summary.
 pub(crate) fn families_text(results: &[CaseResult]) -> String {
     let mut families: BTreeMap<&str, (Vec<&CaseResult>, usize)> = BTreeMap::new();
@@ -103,12 +111,9 @@ pub(super) fn counts_text(results: &[CaseResult]) -> String {
         0 if verdict != Verdict::Pass => String::new(),
         count => format!("{count} {words}"),
     });
-    let said: Vec<String> = counts
-        .into_iter()
-        .filter(|words| !words.is_empty())
-        .collect();
-    let cases = if results.len() == 1 { "case" } else { "cases" };
-    format!("{} {cases}: {}", results.len(), said.join(", "))
+    let said = counts.into_iter().filter(|words| !words.is_empty());
+    let said: Vec<String> = said.collect();
+    format!("{}: {}", number_of(results.len(), "case"), said.join(", "))
 }
 
 /// Number of cases by verdict.
@@ -128,26 +133,24 @@ pub(crate) fn judged_with_text(judged_with: &JudgedWith) -> String {
 pub fn likely_text(found: &Diagnosis, seconds: f64) -> String {
     let mut text = String::new();
     for known in &found.likely {
-        let cases = if known.of == 1 { "case" } else { "cases" };
-        text.push_str(&format!(
-            "\nlooks like  {} ({} of {} {cases}",
-            known.mistake, known.explains, known.of
-        ));
+        let (mistake, explains, cases) =
+            (&known.mistake, known.explains, number_of(known.of, "case"));
+        text.push_str(&format!("\nlooks like  {mistake} ({explains} of {cases}"));
         if known.explains < known.of {
             text.push_str(&format!(": {}", known.cases.join(", ")));
         }
         text.push_str(&format!(")\n            {}\n", known.advice));
     }
     let unfinished = &found.unfinished;
-    let is_said = found.unexplained.iter().any(|it| !it.difference.is_empty());
-    if found.likely.is_empty() && !found.unexplained.is_empty() && unfinished.is_empty() && !is_said
-    {
-        text.push_str(&format!("\n{}\n", NOTHING_KNOWN));
-    }
-    let measured = found
-        .unexplained
+    let unexplained = &found.unexplained;
+    let mut measured = unexplained
         .iter()
-        .filter(|it| !it.difference.is_empty());
+        .filter(|it| !it.difference.is_empty())
+        .peekable();
+    let is_silent = found.likely.is_empty() && measured.peek().is_none();
+    if is_silent && !unexplained.is_empty() && unfinished.is_empty() {
+        text.push_str(&format!("\n{NOTHING_KNOWN}\n"));
+    }
     for result in measured {
         let case = &result.name;
         let head = if result.change_agrees {

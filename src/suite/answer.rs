@@ -73,22 +73,16 @@ impl Answer {
             }
             Answer::InTheMean(radiance) => {
                 let count = film.radiance().len() as f64;
-                for channel in 0..3 {
+                for (channel, right) in radiance.to_array().into_iter().enumerate() {
                     let mean = |pixels: &[[f32; 3]]| {
-                        Sum::from_iter(pixels.iter().map(|pixel| pixel[channel].into())).value()
-                            / count
+                        let values = pixels.iter().map(|pixel| pixel[channel].into());
+                        Sum::from_iter(values).value() / count
                     };
-                    let variance = film
-                        .noise()
-                        .map_or(f64::NAN, |noise| mean(noise.variance()) / count);
-                    let right = radiance[channel];
-                    let allowed = STANDARD_ERRORS * variance.sqrt() + STORED * right;
-                    margin.within(
-                        format_args!("mean of {}", CHANNELS[channel]),
-                        mean(film.radiance()),
-                        right,
-                        allowed,
-                    );
+                    let variance = film.noise().map(|noise| mean(noise.variance()) / count);
+                    let error = variance.unwrap_or(f64::NAN).sqrt();
+                    let allowed = STANDARD_ERRORS * error + STORED * right;
+                    let what = format_args!("mean of {}", CHANNELS[channel]);
+                    margin.within(what, mean(film.radiance()), right, allowed);
                 }
             }
         }

@@ -23,10 +23,8 @@ const FIXTURES: &str = "fixtures";
 const CASES: &str = "fixtures/cases";
 /// Folder of the goldens.
 const GOLDEN: &str = "golden";
-/// Folder for the results of other renderers, among the goldens.
-const PEERS: &str = "peers";
-/// Folder for renderings of an interrupted accept.
-const CACHE: &str = ".volref";
+/// Folder for results until they are joined.
+pub(crate) const CACHE: &str = ".volref";
 
 /// The default of `mean_resolution` in [`MANIFEST`]: bias of the mean of an image that a case must
 /// detect, relative to that mean plus [`DARK`](crate::compare::stochastic::DARK). Wrong factors are
@@ -85,8 +83,9 @@ pub struct Case {
     pub family: String,
     /// Scene file.
     pub scene: PathBuf,
-    /// Folder of its suite; empty for the current one.
-    suite: PathBuf,
+    /// The arguments that name its suite in a command, with a blank before them; none where it is the current folder or
+    /// the embedded one.
+    pub(crate) suite_option: String,
     /// Document and figure that the case reproduces.
     pub source: String,
     /// Features of a correct image.
@@ -165,12 +164,6 @@ impl Case {
     /// True if the image is a limit, to which renderings converge with their step.
     pub fn is_limit(&self) -> bool {
         self.limit
-    }
-
-    /// The arguments that name the suite in a command, with a blank before them; none where it is the current folder or the
-    /// embedded one.
-    pub(crate) fn suite_option(&self) -> String {
-        suite_option(&self.suite)
     }
 
     /// The scene of the case.
@@ -283,7 +276,7 @@ impl Suite {
             match read_manifest(&path) {
                 Ok(mut case) => {
                     if suite.own.is_some() {
-                        case.suite = PathBuf::new();
+                        case.suite_option = String::new();
                     }
                     suite.by_name.insert(case.name.clone(), suite.cases.len());
                     suite.cases.push(case);
@@ -352,13 +345,16 @@ impl Suite {
 
     /// The files `*/*.toml` of a part of the suite, sorted.
     fn records(&self, part: &str) -> Result<Vec<PathBuf>, SuiteError> {
-        let mut records = records(&self.root.join(part))?;
+        let families = sorted_entries(&self.root.join(part))?.into_iter();
+        let mut records = Vec::new();
+        for family in families.filter(|path| path.is_dir()) {
+            records.extend(sorted_entries(&family)?);
+        }
         records.retain(|path| {
-            let is_own = |own: &BTreeSet<PathBuf>| {
-                let path = path.strip_prefix(&self.root);
-                path.is_ok_and(|path| own.contains(path))
-            };
-            self.own.as_ref().is_none_or(is_own)
+            let inner = path.strip_prefix(&self.root);
+            let is_own = |own: &BTreeSet<PathBuf>| inner.is_ok_and(|path| own.contains(path));
+            let is_record = path.extension().is_some_and(|ending| ending == "toml");
+            is_record && self.own.as_ref().is_none_or(is_own)
         });
         Ok(records)
     }
@@ -368,7 +364,7 @@ impl Suite {
         self.root.join(CASES).join(format!("{}.toml", case.name))
     }
 
-    /// Folder for renderings until they are accepted, and for results until they are joined.
+    /// Folder for results until they are joined.
     pub(crate) fn cache_folder(&self) -> PathBuf {
         self.root.join(CACHE)
     }
@@ -383,7 +379,7 @@ impl Suite {
         let names = records.filter_map(|path| {
             let path = path.with_extension("");
             let name = path.strip_prefix(&root).ok()?;
-            (!name.starts_with(PEERS)).then(|| name.display().to_string())
+            Some(name.display().to_string())
         });
         Ok(names.collect())
     }
@@ -393,13 +389,6 @@ impl Suite {
     /// the rest of it matches; where all do, they leave the others of all cases. A filter without a match, or
     /// filters that leave nothing, are an error: a check that silently checks nothing is worse than none.
     pub fn select(&self, filters: &[String]) -> Result<Vec<&Case>, SuiteError> {
-        let chosen = self.chosen(filters)?;
-        let cases = self.cases.iter().filter(|case| chosen.has(&case.name));
-        Ok(cases.collect())
-    }
-
-    /// Names that the filters choose among those of the cases.
-    fn chosen(&self, filters: &[String]) -> Result<Chosen, SuiteError> {
         let no_match = |filter: &str, help| SuiteError::NoMatch {
             filter: filter.to_owned(),
             help,
@@ -417,14 +406,11 @@ impl Suite {
             };
             let help = "a filter is a family, a case, or a pattern over them such as 'figures/*'; with ! before it, it \
                         excludes";
-            return Err(SuiteError::refused(
-                format!("{filter:?} is not a pattern: {reason}"),
-                help,
-            ));
+            let message = format!("{filter:?} is not a pattern: {reason}");
+            return Err(SuiteError::refused(message, help));
         }
-        let chosen = Chosen(filters.to_vec());
-        let is_chosen = |(name, _): &&(String, PathBuf)| chosen.has(name);
-        if let Some((_, path)) = self.unreadable.iter().find(is_chosen) {
+        let mut unreadable = self.unreadable.iter();
+        if let Some((_, path)) = unreadable.find(|(name, _)| is_chosen(filters, name)) {
             read_manifest(path).map_err(SuiteError::Manifest)?;
         }
         if filters.is_empty() && self.cases.is_empty() {
@@ -437,7 +423,9 @@ impl Suite {
                 return Err(no_match(filter, self.nearest(filter)));
             }
         }
-        if !self.names().any(|name| chosen.has(name)) {
+        let cases = self.cases.iter();
+        let chosen: Vec<&Case> = cases.filter(|it| is_chosen(filters, &it.name)).collect();
+        if chosen.is_empty() {
             let help = "what the filters name is excluded by those that begin with !";
             return Err(no_match(&filters.join(" "), help.to_owned()));
         }
@@ -448,19 +436,17 @@ impl Suite {
         self.cases.iter().map(|case| &case.name)
     }
 
-    /// The arguments that name the suite in a command; none of the embedded one.
-    fn option(&self) -> String {
-        let own = self.own.as_ref();
-        own.map_or_else(|| suite_option(&self.root), |_| String::new())
-    }
-
     fn nearest(&self, filter: &str) -> String {
         let given = filter;
         let filter = pattern_of(given);
         if self.cases.is_empty() {
             return format!("{CASES} is empty");
         }
-        let all = format!("`volref list{}` shows all cases", self.option());
+        let option = match self.own {
+            Some(_) => String::new(),
+            None => suite_option(&self.root),
+        };
+        let all = format!("`volref list{option}` shows all cases");
         let names = self.names().flat_map(|name| parts(name));
         match nearest(filter, names) {
             Some(name) => {
@@ -482,18 +468,13 @@ fn suite_option(root: &Path) -> String {
     }
 }
 
-/// Names chosen by filters: everything where none names any, but for what is excluded.
-struct Chosen(Vec<String>);
-
-impl Chosen {
-    /// True if the case or row of this name is among it.
-    fn has(&self, name: &str) -> bool {
-        let is_match = |filter: &&String| matches(pattern_of(filter), name);
-        let (excluding, naming): (Vec<_>, Vec<_>) =
-            self.0.iter().partition(|filter| filter.starts_with('!'));
-        let is_named = naming.is_empty() || naming.iter().any(is_match);
-        is_named && !excluding.iter().any(is_match)
-    }
+/// True if the filters choose the case of this name: each one where none names any, but for those that are excluded.
+fn is_chosen(filters: &[String], name: &str) -> bool {
+    let is_match = |filter: &&String| matches(pattern_of(filter), name);
+    let (excluding, naming): (Vec<_>, Vec<_>) =
+        filters.iter().partition(|filter| filter.starts_with('!'));
+    let is_named = naming.is_empty() || naming.iter().any(is_match);
+    is_named && !excluding.iter().any(is_match)
 }
 
 /// The pattern of a filter, without the `!` of one that excludes.
@@ -501,7 +482,7 @@ fn pattern_of(filter: &str) -> &str {
     filter.strip_prefix('!').unwrap_or(filter)
 }
 
-/// True if a pattern names a case or row. Its `*` stands for slashes, too, unlike that of the crate.
+/// True if a pattern names a case. Its `*` stands for slashes, too, unlike that of the crate.
 fn matches(pattern: &str, name: &str) -> bool {
     let without_slashes = |text: &str| text.replace('/', ":");
     let is_match = |text| fast_glob::glob_match(without_slashes(pattern), without_slashes(text));
@@ -514,29 +495,15 @@ fn parts(name: &str) -> [&str; 3] {
     [name, family, own]
 }
 
-/// The files `*/*.toml` in `folder`, sorted.
-fn records(folder: &Path) -> Result<Vec<PathBuf>, SuiteError> {
-    let mut records = Vec::new();
-    for family in sorted_entries(folder)?.iter().filter(|path| path.is_dir()) {
-        records.extend(sorted_entries(family)?);
-    }
-    records.retain(|path| {
-        path.extension()
-            .is_some_and(|extension| extension == "toml")
-    });
-    Ok(records)
-}
-
 fn sorted_entries(folder: &Path) -> Result<Vec<PathBuf>, SuiteError> {
     let failed = |error| SuiteError::Read {
         path: folder.to_owned(),
         error,
     };
-    let mut paths = std::fs::read_dir(folder)
-        .map_err(failed)?
-        .map(|entry| entry.map(|entry| entry.path()))
-        .collect::<Result<Vec<_>, _>>()
-        .map_err(failed)?;
+    let mut paths = Vec::new();
+    for entry in std::fs::read_dir(folder).map_err(failed)? {
+        paths.push(entry.map_err(failed)?.path());
+    }
     paths.sort();
     Ok(paths)
 }
@@ -616,7 +583,7 @@ fn case_of(path: &Path, reader: &Reader) -> SceneResult<Case> {
     let changed = changed.into_iter();
     let suite = folder.ancestors().nth(3).unwrap_or(Path::new(""));
     Ok(Case {
-        suite: suite.to_owned(),
+        suite_option: suite_option(suite),
         judged_by: changed
             .filter_map(|(key, value)| Some((key.to_owned(), value?)))
             .collect(),

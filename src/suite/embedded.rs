@@ -3,6 +3,7 @@
 //! Scenes name files beside them, and renderers that are run read scenes: both need a folder.
 
 use crate::files::atomic_file::directory_of;
+use crate::files::program_hash::hash;
 use crate::files::{own_file, partial_file, regular_file};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -33,14 +34,11 @@ impl EmbeddedSuite {
 
     /// A name that depends on all paths and contents: 16 hexadecimal digits.
     pub fn name(&self) -> String {
-        let mut hasher = blake3::Hasher::new();
+        let mut parts: Vec<&[u8]> = Vec::new();
         for (path, bytes) in &self.files {
-            for part in [path.to_string_lossy().as_bytes(), bytes] {
-                hasher.update(&(part.len() as u64).to_le_bytes());
-                hasher.update(part);
-            }
+            parts.extend([path.as_os_str().as_encoded_bytes(), bytes]);
         }
-        hasher.finalize().to_hex().chars().take(16).collect()
+        hash(&parts).chars().take(16).collect()
     }
 
     /// Paths of all files, relative to the root of the suite.

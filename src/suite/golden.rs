@@ -153,7 +153,7 @@ pub struct Golden {
 
 /// How to accept the image of a case.
 pub(crate) fn accept_advice(case: &Case) -> String {
-    let (scene, name, suite) = (quoted_scene(case), &case.name, case.suite_option());
+    let (scene, name, suite) = (quoted_scene(case), &case.name, &case.suite_option);
     format!(
         "look at the image (volref render {scene} -o now.exr), then accept it (volref accept {name}{suite} --reason ...)"
     )
@@ -181,7 +181,7 @@ impl GoldenError {
     /// Sensitivities of `case` that are not those of its golden.
     pub(crate) fn sensitivities(case: &Case, fault: impl Display) -> GoldenError {
         let (file, scene) = (shown(&sensitivities_file(case)), quoted_scene(case));
-        let (name, suite) = (&case.name, case.suite_option());
+        let (name, suite) = (&case.name, &case.suite_option);
         GoldenError::Untrusted(format!(
             "{file} {fault}; restore the golden from version control, or make this file anew (volref sensitivity \
              {scene} --all -o FILE) and record it (volref accept {name}{suite} --keep-images --reason ...)"
@@ -194,7 +194,7 @@ pub(crate) fn short(hash: &str) -> String {
     hash.chars().take(12).collect()
 }
 
-fn hash(bytes: &[u8]) -> String {
+pub(super) fn hash(bytes: &[u8]) -> String {
     blake3::hash(bytes).to_hex().to_string()
 }
 

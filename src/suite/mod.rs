@@ -15,6 +15,7 @@ pub(crate) mod suite_hash;
 
 pub use answer::Answer;
 pub(crate) use answer::{ERROR_OF_TOLERANCE, OF_TOLERANCE};
+pub(crate) use case::CACHE;
 pub use case::{
     Case, CaseSampling, ConvergedSampling, MANIFEST, MEAN_RESOLUTION, Suite, SuiteError,
 };

@@ -27,7 +27,7 @@ const FAMILY: Table = Table::new("A family of cases.").keys(&[
     Key::required("asks", Kind::Text).doc("What it asks of a renderer, in one short line."),
 ]);
 
-/// What the file says.
+/// Contents of the file.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Outline {
     /// Names of the cases that a renderer is asked first.
@@ -74,7 +74,7 @@ impl Outline {
     }
 }
 
-/// What `read` makes of the table in a file of the suite.
+/// The value that `read` makes of the table in a file of the suite.
 pub(super) fn read_file<T>(
     path: &Path,
     declaration: &'static Table,

@@ -49,6 +49,21 @@ pub enum Output {
     Unusable(String),
 }
 
+impl Output {
+    /// The output with `edit` made to its images, if it has any; unusable where that fails.
+    pub(crate) fn edited(self, edit: impl Fn(Picture) -> Result<Picture, String>) -> Output {
+        let edited = match self {
+            Output::Picture(it) => edit(*it).map(|it| Output::Picture(Box::new(it))),
+            Output::Refined(all) => {
+                let all: Result<_, String> = all.into_iter().map(edit).collect();
+                all.map(Output::Refined)
+            }
+            other => Ok(other),
+        };
+        edited.unwrap_or_else(Output::Unusable)
+    }
+}
+
 /// The image of a case.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Found {
@@ -145,6 +160,8 @@ impl Outputs {
                 "both {one} and {other} could be its image: keep one of them"
             ));
         }
+        let mut roles = files.iter().map(|(role, _)| role);
+        let is_refined = roles.any(|role| matches!(role, Role::Step(1..)));
         let (mut images, mut beside) = (Vec::new(), Vec::new());
         for (role, file) in files {
             match role {
@@ -152,9 +169,6 @@ impl Outputs {
                 Role::Variance | Role::Depth => beside.push((*role, file)),
             }
         }
-        let is_refined = self.by_case[case]
-            .iter()
-            .any(|(role, _)| matches!(role, Role::Step(1..)));
         if is_refined && let Some((last, file)) = images.last() {
             let has = |step: u32| images.iter().any(|(number, _)| *number == step);
             if let Some(missing) = (0..=*last.max(&2)).find(|step| !has(*step)) {
@@ -190,22 +204,19 @@ impl Outputs {
         Ok(Some(Found {
             variance: file_of(Role::Variance),
             depth: file_of(Role::Depth),
-            files: images
-                .into_iter()
-                .map(|(_, file)| file.to_owned())
-                .collect(),
+            files: images.iter().map(|(_, file)| (*file).clone()).collect(),
             is_refined,
         }))
     }
 
     /// The image of `case`, read.
     pub fn output(&self, case: &str) -> Output {
-        let read = |found: Found| {
+        let read = |found: Found| -> Result<Output, PictureError> {
             if found.is_refined {
-                return found.read_refined().map(Output::Refined);
+                let files = found.files.iter().map(|file| Picture::read(file));
+                return Ok(Output::Refined(files.collect::<Result<_, _>>()?));
             }
-            let picture = found.read()?;
-            Ok(Output::Picture(Box::new(picture)))
+            Ok(Output::Picture(Box::new(found.read()?)))
         };
         match self.find(case) {
             Ok(None) => Output::Missing(format!(
@@ -374,11 +385,6 @@ impl Found {
             None => Ok(picture),
         }
     }
-
-    /// Reads the images with smaller and smaller steps.
-    pub(crate) fn read_refined(&self) -> Result<Vec<Picture>, PictureError> {
-        self.files.iter().map(|file| Picture::read(file)).collect()
-    }
 }
 
 /// The radiance in `file`, which is to have noise.
@@ -395,11 +401,10 @@ fn radiance(file: &Path) -> Result<Film, PictureError> {
 fn with_variance(file: &Path, variance: &Path) -> Result<Picture, PictureError> {
     let film = radiance(file)?;
     let bytes = Picture::bytes(variance)?;
-    let noise = Film::variance_from_exr(&bytes).and_then(|(spread, samples)| {
-        let film = film.with_variance_of(&spread, samples)?;
-        Ok(Picture::Radiance(film))
-    });
-    noise.map_err(|error| PictureError::of(variance, error))
+    let film = Film::variance_from_exr(&bytes)
+        .and_then(|(spread, samples)| film.with_variance_of(&spread, samples))
+        .map_err(|error| PictureError::of(variance, error))?;
+    Ok(Picture::Radiance(film))
 }
 
 /// `picture` with the depths in the file `depth`; a PNG is left without.
@@ -408,10 +413,9 @@ fn with_depth(picture: Picture, depth: &Path) -> Result<Picture, PictureError> {
         return Ok(picture);
     };
     let bytes = Picture::bytes(depth)?;
-    let depths = Film::from_npy(&bytes).and_then(|depths| film.with_depth_of(&depths));
-    depths
-        .map(Picture::Radiance)
-        .map_err(|error| PictureError::of(depth, error))
+    let film = Film::from_npy(&bytes).and_then(|depths| film.with_depth_of(&depths));
+    let film = film.map_err(|error| PictureError::of(depth, error))?;
+    Ok(Picture::Radiance(film))
 }
 
 fn pooled(files: &[PathBuf]) -> Result<Picture, PictureError> {

@@ -4,7 +4,7 @@
 //! pixels, which older files have, are of no use. What a layer was computed from stands in the comment of
 //! the file, and its hash in the record of the golden.
 
-use super::golden::{input_hashes, scene_hash};
+use super::golden::{hash, input_hashes, scene_hash};
 use super::name_hash;
 use crate::compare::Sensitivity;
 use crate::compare::stochastic::BLOCK;
@@ -63,7 +63,7 @@ pub(crate) fn sensitivities_of(
 /// Origin of derivatives, as the comment of their file.
 fn origin(scene: &Scene) -> String {
     let inputs = format!("{:?}", input_hashes(scene));
-    let inputs = blake3::hash(inputs.as_bytes()).to_hex();
+    let inputs = hash(inputs.as_bytes());
     format!("scene {} files {inputs}", scene_hash(scene))
 }
 

@@ -55,7 +55,7 @@ const NEW: &str = ".accept-new";
 /// The folder of an accept that is decided.
 const DECIDED: &str = ".accept";
 
-/// What hides the lock file from version control, in a folder that the store has made.
+/// Hides the lock file from version control, in a folder that the store has made.
 const IGNORES_LOCK: &[u8] = b"/.lock\n";
 
 /// Largest file read, in bytes: 1 GiB, eight channels of 32 bits of 5792² pixels.
@@ -160,7 +160,7 @@ impl Store {
             let (path, target) = (path.as_ref(), self.root.join(path));
             let staged = Path::new(NEW).join(path);
             let prepare = || {
-                // What a move would only find out after the decision.
+                // A move would find it out only after the decision.
                 own_file::check(&target)?;
                 own_file::check_folder(&self.root, directory_of(path))?;
                 own_file::make_folder(&self.root, directory_of(&staged))

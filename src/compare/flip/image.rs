@@ -56,4 +56,9 @@ impl SrgbImage {
     pub fn pixels(&self) -> &[[u8; 3]] {
         &self.pixels
     }
+
+    /// A PNG image of the codes.
+    pub(crate) fn to_png(&self) -> Vec<u8> {
+        Film::codes_to_png(&self.pixels, self.width, self.height)
+    }
 }

@@ -1,9 +1,9 @@
-//! What the page shows of one image: the picture, the difference from what it was judged by, the bias, the cause.
+//! One image on the page: the picture, its difference from the right one, the bias, the cause.
 
 use super::super::html::pixels::thumbnail;
-use super::super::template::{blue_to_red, image_address};
+use super::super::template::{image_address, signed_colour};
 use crate::compare::flip::SrgbImage;
-use crate::compare::{Picture, recognised};
+use crate::compare::recognised;
 use crate::film::{CHANNELS, Film};
 use crate::judging::{CaseResult, Verdict};
 use crate::suite::refusal;
@@ -16,11 +16,6 @@ const BEYOND: f64 = 1e-3;
 
 /// Standard errors of a 95 % interval.
 const INTERVAL: f64 = 1.96;
-
-/// The image as it is displayed, if it has pixels.
-pub(super) fn shown(picture: &Picture, exposure: f64) -> Option<SrgbImage> {
-    picture.srgb(exposure).ok()
-}
 
 pub(super) fn small(image: &SrgbImage) -> String {
     thumbnail(image.pixels(), image.width(), SIDE)
@@ -138,13 +133,8 @@ impl Differences {
                 *most = code;
             }
         }
-        let colour = |code: &f64| blue_to_red(root(code / scale));
+        let colour = |code: &f64| signed_colour(code / scale);
         let colours: Vec<_> = most.iter().map(colour).collect();
         image_address(&colours, columns, rows)
     }
-}
-
-/// The root of the size, with the sign: so that small differences are seen beside large ones.
-fn root(share: f64) -> f64 {
-    share.abs().sqrt().min(1.0).copysign(share)
 }

@@ -8,11 +8,6 @@ use minijinja::{Value, context};
 /// Changes of parameters that are listed, at most: the others have smaller scores.
 const MOST_CHANGES: usize = 12;
 
-/// A name as the fragment of an address: a browser decodes it again.
-fn fragment(name: &str) -> String {
-    name.replace('%', "%25")
-}
-
 /// One case, as the template asks for it, at a position on the page from 0.
 pub(super) fn view(
     index: usize,
@@ -43,7 +38,8 @@ pub(super) fn view(
     let small_test = srgb.map(|image| small(image.pixels(), image.width()));
     context! {
         index,
-        address => fragment(&result.name),
+        // A browser decodes it again.
+        address => result.name.replace('%', "%25"),
         result,
         symbol => words::symbol(result.verdict),
         gate => result.gate.name(),
@@ -54,7 +50,7 @@ pub(super) fn view(
         // With what to do.
         mistakes => result.looks_like.iter().map(mistake).collect::<Vec<_>>(),
         numbers => result.metrics.iter().map(number).collect::<Vec<_>>(),
-        // Those that fit best come first.
+        // The changes that fit best come first.
         changes => result.changes.iter().take(MOST_CHANGES).collect::<Vec<_>>(),
         // Notes beside the verdict, and oddities of the images.
         notes => result.notes.iter().chain(&views.notes).collect::<Vec<_>>(),

@@ -61,16 +61,12 @@ impl<'a> Views<'a> {
         }
     }
 
-    /// Golden and test image, where they are of one size and both radiance.
-    pub(super) fn films(&self) -> Option<(&'a Film, &'a Film)> {
-        let (golden, test) = self.pair?;
-        Some((golden, test.radiance()?))
-    }
-
     /// The unit in which the gate shows the difference.
     pub(super) fn difference_scale(&self, gate: Gate) -> DifferenceScale {
-        let scale = |(golden, test)| DifferenceScale::of(gate, golden, test);
-        self.films().map_or(DifferenceScale::Radiance, scale)
+        match self.pair {
+            Some((golden, Picture::Radiance(test))) => DifferenceScale::of(gate, golden, test),
+            _ => DifferenceScale::Radiance,
+        }
     }
 
     /// Everything that the script needs, packed by [`pixels`]; nothing where there is no image.
@@ -150,19 +146,14 @@ fn shown<'a, T>(
 
 /// Test minus golden, of radiance or of codes.
 fn differences(golden: &Film, test: &Picture, exposure: f64) -> Vec<[f32; 3]> {
+    fn of<T: Copy + Into<f64>>(golden: &[[T; 3]], test: &[[T; 3]]) -> Vec<[f32; 3]> {
+        let difference =
+            |(a, b): (&[T; 3], &[T; 3])| [0, 1, 2].map(|c| (b[c].into() - a[c].into()) as f32);
+        golden.iter().zip(test).map(difference).collect()
+    }
     match test {
-        Picture::Radiance(test) => golden
-            .radiance()
-            .iter()
-            .zip(test.radiance())
-            .map(|(a, b)| [0, 1, 2].map(|c| (f64::from(b[c]) - f64::from(a[c])) as f32))
-            .collect(),
-        Picture::Codes(test) => golden
-            .srgb_codes(exposure)
-            .iter()
-            .zip(test.pixels())
-            .map(|(a, b)| [0, 1, 2].map(|c| f32::from(b[c]) - f32::from(a[c])))
-            .collect(),
+        Picture::Radiance(test) => of(golden.radiance(), test.radiance()),
+        Picture::Codes(test) => of(&golden.srgb_codes(exposure), test.pixels()),
     }
 }
 

@@ -46,12 +46,8 @@ pub(super) fn codes(pixels: &[[u8; 3]], width: usize) -> String {
 
 /// Numbers in [0, 1], as the nearest of [`WHOLE`] equal steps.
 pub(super) fn fractions(values: &[f64]) -> String {
-    deflated(
-        &values
-            .iter()
-            .map(|value| (value * f64::from(WHOLE)).round() as u8)
-            .collect::<Vec<_>>(),
-    )
+    let steps = |value: &f64| (value * f64::from(WHOLE)).round() as u8;
+    deflated(&values.iter().map(steps).collect::<Vec<_>>())
 }
 
 /// The image made small, at most `side` long, as the address of a PNG image. `srgb` are its codes, row by row, `width`
