@@ -1,6 +1,6 @@
 //! Conventions of other ray casters.
 
-use crate::common::suite::film_of as film;
+use crate::common::suite::{case_of, cases_of, film_of as film, root, suite, validated};
 use crate::ray_caster::scenes::{PHONG, plain};
 use glam::DVec3;
 use std::ops::Range;
@@ -11,7 +11,7 @@ use volref::compare::{Conditions, Picture, judge};
 use volref::conventions::{ByChance, CATALOGUE, Profile, RayCaster, images_by_chance, under};
 use volref::film::{Bits, Film};
 use volref::geometry::{Camera, Transform, length_of};
-use volref::judging::{Verdict, validate};
+use volref::judging::Verdict;
 use volref::math::{pow, tan};
 use volref::naming::ConventionSearch;
 use volref::optics::{Appearance, Phong, TransferPoint, TransferPoints};
@@ -19,7 +19,7 @@ use volref::scene::format::{Key, Kind};
 use volref::scene::{
     CONVENTIONS, Classified, Compositing, Conventions, LastStep, Model, Precision, Scene, Shadow,
 };
-use volref::suite::{Case, Output, Suite};
+use volref::suite::Case;
 use volref::variations::mistakes;
 use volref::volume::{Centring, Grid, Interpolation, Lattice};
 
@@ -88,11 +88,7 @@ fn assert_passes(scene: &Classified, transmittance: f64, conventions: &str) {
 /// steps, or one volume is.
 #[test]
 fn profiles_of_several_objects() {
-    let suite = Suite::open(std::path::Path::new(env!("CARGO_MANIFEST_DIR"))).unwrap();
-    let scene = |name: &str| {
-        let case = suite.select(&[name.to_owned()]).unwrap()[0];
-        case.load_scene().unwrap()
-    };
+    let scene = |name: &str| case_of(name).load_scene().unwrap();
     let applied = |name: &str, keys: &str, conventions: &str| {
         let text = format!("name = 'mine'\n{keys}[conventions]\n{conventions}\n");
         let profile = Profile::parse(&text, "mine.toml").unwrap();
@@ -491,8 +487,7 @@ fn read(conventions: &str) -> Result<Conventions, String> {
         "[classified]\n[classified.volume]\nfile = 'fixtures/volumes/hard/hill.nrrd'\n\
          [classified.conventions]\n{conventions}\n"
     );
-    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
-    let scene = Scene::parse(&text, &root.join("scene.toml"));
+    let scene = Scene::parse(&text, &root().join("scene.toml"));
     let scene = scene.map_err(|error| error.to_string())?;
     Ok(scene.panels[0].classified().unwrap().conventions)
 }
@@ -655,8 +650,7 @@ fn opaque_scene(conventions: &str) -> Scene {
          [classified]\nstep = 0.11\n[classified.phong]\n[classified.shadow]\nstep = 0.2\n\
          {conventions}\n[classified.volume]\nfile = '../../volumes/hard/hill.nrrd'\n"
     );
-    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
-    Scene::parse(&text, &root.join("fixtures/scenes/hard/scene.toml")).unwrap()
+    Scene::parse(&text, &root().join("fixtures/scenes/hard/scene.toml")).unwrap()
 }
 
 /// A table of conventions in a scene.
@@ -726,9 +720,8 @@ fn pairs_of_conventions_do_not_contradict_each_other() {
 }
 
 /// A case of the suite and its scene, with few pixels.
-fn small(name: &str) -> (Case, Scene) {
-    let suite = Suite::bundled().unwrap();
-    let case = suite.select(&[name.to_owned()]).unwrap()[0].clone();
+fn small(name: &str) -> (&'static Case, Scene) {
+    let case = case_of(name);
     let mut scene = case.load_scene().unwrap();
     for panel in &mut scene.panels {
         (panel.width, panel.height) = (96, 96);
@@ -914,10 +907,9 @@ fn how_often_conventions_are_named() {
 #[test]
 #[ignore = "half an hour"]
 fn how_often_mistakes_are_called_conventions() {
-    let suite = Suite::bundled().unwrap();
-    let selected = suite.select(&["sampled".to_owned(), "figures/figure-1".to_owned()]);
+    let cases = ["figures/figure-1", "sampled"].map(cases_of).concat();
     let (mut wrong, mut made) = (0, 0);
-    for (number, case) in selected.unwrap().into_iter().enumerate() {
+    for (number, case) in cases.into_iter().enumerate() {
         let scene = case.load_scene().unwrap();
         let right = film(&scene);
         for mistake in mistakes::catalogue().skip(number % 12).step_by(12) {
@@ -926,14 +918,13 @@ fn how_often_mistakes_are_called_conventions() {
                 continue;
             };
             for film in [in_eight_bits(&film), film] {
-                let output = Output::Picture(Box::new(Picture::Radiance(film)));
-                let mut judged = validate(case, &suite.store(), output, None);
+                let mut judged = validated(case, film);
                 if judged.result.verdict != Verdict::Fail {
                     continue;
                 }
                 made += 1;
                 let search = ConventionSearch::default();
-                search.explain_mismatch(case, &suite.store(), &mut judged, 10.0, false);
+                search.explain_mismatch(case, &suite().store(), &mut judged, 10.0, false);
                 if judged.result.verdict == Verdict::Convention {
                     println!("{}: {}: {}", case.name, mistake.name, judged.result.reason);
                     wrong += 1;
