@@ -7,7 +7,7 @@
 //! [`RayCaster`]: these are its modes. With default conventions and without mistakes both give the same bits.
 
 use super::layer::rounded;
-use super::ray_caster::{RayCaster, Way};
+use super::ray_caster::RayCaster;
 use super::shading::ShadedSample;
 use super::steps::StepRule;
 use super::work::RayWork;
@@ -157,20 +157,15 @@ impl RayCaster<'_> {
         let Some(way) = self.way(ray, f64::INFINITY, rule) else {
             return vec![];
         };
-        let Way {
-            parts,
-            steps,
-            count,
-        } = way;
-        let (caster, lines, _) = &parts[0];
+        let (caster, lines, _) = &way.parts[0];
         let sample = |index: usize| {
-            let (t, length) = steps.sample(index);
+            let (t, length) = way.steps.sample(index);
             let point = caster.looked_up(lines.nodes.at(t));
             let cell = Cell::around(self.scene.grid.lattice(), point);
             let value = caster.density(&cell, work);
             Sample { t, length, value }
         };
-        (0..count).map(sample).collect()
+        (0..way.count).map(sample).collect()
     }
 }
 
