@@ -1,7 +1,6 @@
 //! Images of means of random samples, drawn one by one, without a renderer: what the stochastic
 //! gate must accept, and what it must not.
 
-pub use super::suite::silent;
 use volref::film::Film;
 use volref::math::{exp, ln};
 
@@ -162,6 +161,11 @@ pub fn sampled(sampling: Sampling<'_>, truth: impl Fn(f64, f64) -> [f64; 3]) -> 
         return Film::new(side, side, means);
     }
     Film::with_noise(side, side, means, variances, samples)
+}
+
+/// The image without what it says of its noise.
+pub fn silent(film: &Film) -> Film {
+    Film::new(film.width(), film.height(), film.radiance().to_vec())
 }
 
 /// Images of one size as replicates: what several runs of a renderer that knows no variance come

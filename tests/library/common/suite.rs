@@ -1,5 +1,6 @@
 //! The suite, its images, and what is said of others.
 
+pub use super::simulated::silent;
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 use std::time::Duration;
@@ -77,11 +78,6 @@ pub fn film_with(scene: &Scene, samples: u32, seed: u64) -> Film {
 pub fn golden_of(name: &str) -> Film {
     let file = root().join(format!("golden/{name}.exr"));
     Film::from_exr(&std::fs::read(file).unwrap()).unwrap()
-}
-
-/// The film without what it states of its noise.
-pub fn silent(film: &Film) -> Film {
-    Film::new(film.width(), film.height(), film.radiance().to_vec())
 }
 
 pub fn output_of(film: Film) -> Output {
