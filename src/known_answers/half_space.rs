@@ -17,7 +17,7 @@
 
 use super::formula::{AlongRay, Formula, exact};
 use super::plane_layer::PlaneLayer;
-use super::requirements::require;
+use super::requirements::{dark, require};
 use crate::math;
 use crate::math::quadrature::{Integral, integrate};
 use crate::scene::Radiative;
@@ -87,7 +87,9 @@ fn diffusion_exponent(albedo: f64) -> f64 {
 }
 
 fn of(scene: &Radiative) -> Result<AlongRay<'_>, String> {
-    let layer = PlaneLayer::dark_and_open(scene)?;
+    let layer = PlaneLayer::of(scene)?;
+    dark(&scene.media[0].medium)?;
+    require(layer.back.is_none(), "it has a surface or a lamp")?;
     let albedo = layer.coefficients.albedo();
     let depth = layer.coefficients.sigma_t() * layer.thickness();
     for c in 0..3 {

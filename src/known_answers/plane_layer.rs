@@ -1,6 +1,6 @@
 //! Layers between two planes: a wide box stands for one.
 
-use super::requirements::{any_order, dark, only_homogeneous, require, without_lights};
+use super::requirements::{any_order, only_homogeneous, require, without_lights};
 use crate::geometry::{Aabb, Boundary, Emitter, Luminous, Ray, Rectangle, Shape, Surface};
 use crate::math::quadrature::Integral;
 use crate::optics::{Coefficients, Material, Sides};
@@ -92,14 +92,6 @@ impl PlaneLayer {
             emission: medium.emission,
             back,
         })
-    }
-
-    /// A layer that emits nothing, with nothing behind it.
-    pub fn dark_and_open(scene: &Radiative) -> Result<PlaneLayer, String> {
-        let layer = PlaneLayer::of(scene)?;
-        dark(&scene.media[0].medium)?;
-        require(layer.back.is_none(), "it has a surface or a lamp")?;
-        Ok(layer)
     }
 
     /// Its thickness.

@@ -1,8 +1,9 @@
 //! Public reports of wrong volume images: the table of `src/guide/reported.md`, held row by row. The
 //! fault of a row is made in its case, and what is said of the image is what the row says.
 
+use crate::common::simulated::edited;
 use crate::common::suite::{
-    case_of, cases_of, explained, film_with, root, suite, uninterrupted, validated,
+    case_of, cases_of, explained, film_with, root, silent, suite, uninterrupted, validated,
 };
 use std::time::Duration;
 
@@ -42,9 +43,7 @@ const EDITS: [(&str, Edit); 3] = [
 ];
 
 fn by_pixel(film: &Film, edit: impl Fn(usize, [f32; 3]) -> [f32; 3]) -> Film {
-    let pixels = film.radiance().iter().enumerate();
-    let pixels: Vec<_> = pixels.map(|(at, &of)| edit(at, of)).collect();
-    Film::new(film.width(), film.height(), pixels)
+    edited(&silent(film), |x, y, of| edit(x + film.width() * y, of))
 }
 
 /// With so many bits behind the point of its mantissa, the others cut off.

@@ -1,7 +1,7 @@
 //! Mistakes about densities: grids and noise.
 
 use super::grids::{GridValues, mapped};
-use super::{Edit, Mistake, any};
+use super::{Edit, Mistake, any, replaced};
 use crate::optics::Field;
 use crate::scene::Radiative;
 use crate::volume::{FractalDensity, FractalParameters, GridDensity, Interpolation};
@@ -60,10 +60,7 @@ fn noises(scene: &mut Radiative, edit: fn(&mut FractalParameters)) -> bool {
 fn with_fields(scene: &mut Radiative, other: impl Fn(&Field) -> Option<Field>) -> bool {
     let densities = scene.media.iter_mut().flat_map(|body| &mut body.density);
     any(densities, |density| {
-        let new = other(density.field());
-        new.is_some_and(|field| {
-            *density = density.with_field(field);
-            true
-        })
+        let new = other(density.field()).map(|field| density.with_field(field));
+        replaced(density, new)
     })
 }

@@ -97,10 +97,8 @@ impl Mistake {
             occurs |= match (&self.edit, &mut panel.model) {
                 (Edit::Classified(edit), Model::Classified(scene)) => in_classified(scene, edit),
                 (Edit::Grid(edit), Model::Classified(scene)) => in_classified(scene, |volume| {
-                    edit(&volume.grid).is_some_and(|grid| {
-                        volume.grid = grid;
-                        true
-                    })
+                    let new = edit(&volume.grid);
+                    replaced(&mut volume.grid, new)
                 }),
                 (Edit::View(pixels), _) => panel.edit_view(|camera, pixel| {
                     camera.with_image_moved(pixels.map(|count| count * pixel))
@@ -209,6 +207,11 @@ fn any<'i, T: 'i>(
 fn set<T: PartialEq>(value: &mut T, new: T) -> bool {
     let old = std::mem::replace(value, new);
     old != *value
+}
+
+/// Puts `new` in the place of `value`, if there is any; whether there is.
+fn replaced<T>(value: &mut T, new: Option<T>) -> bool {
+    new.map(|new| *value = new).is_some()
 }
 
 /// Makes the mistake that no file states, if it `occurs` in `scene`.

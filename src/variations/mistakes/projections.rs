@@ -1,6 +1,6 @@
 //! Mistakes in projections and isosurfaces of a classified volume.
 
-use super::{Edit, Mistake, any, set};
+use super::{Edit, Mistake, any, replaced, set};
 use crate::optics::{Appearance, TransferPoint, TransferPoints};
 use crate::scene::{
     Classified, Isosurface, IsosurfaceFault, Isosurfaces, Mode, Projected, Projection,
@@ -160,9 +160,7 @@ fn mean_over_the_diagonal(scene: &mut Classified) -> bool {
         value: point.value * diagonal,
         ..*point
     });
-    let Ok(points) = TransferPoints::new(larger.collect()) else {
-        return false;
-    };
-    scene.transfer_function.appearance = Appearance::Points(points);
-    true
+    let new = TransferPoints::new(larger.collect()).ok();
+    let new = new.map(Appearance::Points);
+    replaced(&mut scene.transfer_function.appearance, new)
 }
