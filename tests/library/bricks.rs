@@ -167,10 +167,7 @@ fn mistakes_of_bricks_are_named() {
         let case = case(name);
         let scene = case.load_scene().unwrap();
         let wrong = mistakes::named(mistake).unwrap().in_scene(&scene).unwrap();
-        let said = searched(&case, rendered(&wrong))
-            .looks_like
-            .first()
-            .cloned();
+        let said = searched(case, rendered(&wrong)).looks_like.first().cloned();
         assert_eq!(said.as_deref(), Some(mistake), "{name}");
     }
 }

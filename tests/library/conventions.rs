@@ -759,14 +759,14 @@ fn conventions_are_told_from_mistakes() {
     ] {
         let set = words.map(index).to_vec();
         let test = film(&under(&scene, &set));
-        let found = search.explain(&case, &scene, &test, None).unwrap();
+        let found = search.explain(case, &scene, &test, None).unwrap();
         assert_eq!(found.set, set);
         assert_eq!(found.but_for, 0.0);
     }
     // Of all others, `how_often_conventions_are_named`.
     let mistake = mistakes::named("opacity-halved").unwrap();
     let wrong = mistake.in_scene(&scene).unwrap();
-    let found = search.explain(&case, &scene, &film(&wrong), None);
+    let found = search.explain(case, &scene, &film(&wrong), None);
     assert_eq!(found, None);
 }
 
@@ -881,7 +881,7 @@ fn how_often_conventions_are_named() {
             }
             seen += 1;
             let start = Instant::now();
-            let found = ConventionSearch::default().explain(&case, &scene, &film, None);
+            let found = ConventionSearch::default().explain(case, &scene, &film, None);
             let taken = start.elapsed();
             longest = longest.max(taken);
             match found {

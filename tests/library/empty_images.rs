@@ -69,9 +69,9 @@ fn an_image_of_all_but_nothing_is_told_so_alone() {
         });
         // Of 0.4 half precision does not tell it.
         if background == [0.0; 3] {
-            is_told_empty(&case, Picture::Radiance(one_pixel));
+            is_told_empty(case, Picture::Radiance(one_pixel));
         } else {
-            let result = searched(&case, Picture::Radiance(one_pixel)).result;
+            let result = searched(case, Picture::Radiance(one_pixel)).result;
             assert!(
                 result.reason.starts_with("nothing was drawn"),
                 "{}",
@@ -82,14 +82,14 @@ fn an_image_of_all_but_nothing_is_told_so_alone() {
             pixel.map(|value| value + 0.0005 * ((at(x, y) * 7919) % 101) as f32 / 100.0)
         });
         if background == [0.0; 3] {
-            is_told_empty(&case, Picture::Radiance(noise));
+            is_told_empty(case, Picture::Radiance(noise));
         }
     }
     // Light far below the tolerance, whose shape is right.
     let case = case("reported/slope");
     let right = film(&case.load_scene().unwrap());
     let faint = edited(&right, |_, _, pixel| pixel.map(|value| 0.0004 * value));
-    is_told_empty(&case, Picture::Radiance(faint));
+    is_told_empty(case, Picture::Radiance(faint));
     // A single code of an image of 8 bits.
     for bits in ["8-srgb", "8-linear"] {
         let bits: Bits = bits.parse().unwrap();
@@ -98,7 +98,7 @@ fn an_image_of_all_but_nothing_is_told_so_alone() {
             .map(|index| [u8::from(index == 245); 3])
             .collect();
         let film = quantisation.decoded(right.width(), right.height(), &codes);
-        is_told_empty(&case, Picture::Radiance(film));
+        is_told_empty(case, Picture::Radiance(film));
     }
 }
 
@@ -112,7 +112,7 @@ fn opacity_is_something_drawn() {
         [0.0, 0.0, 0.0, opacity]
     });
     let black = Film::with_opacity(right.width(), right.height(), pixels.collect());
-    let result = searched(&case, Picture::Radiance(black)).result;
+    let result = searched(case, Picture::Radiance(black)).result;
     assert_eq!(result.verdict, Verdict::Fail, "{}", result.reason);
     assert!(
         !result.reason.contains("nothing was drawn"),
