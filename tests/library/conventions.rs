@@ -8,7 +8,9 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 use volref::check::check_within;
 use volref::compare::{Conditions, Picture, judge};
-use volref::conventions::{ByChance, CATALOGUE, Profile, RayCaster, images_by_chance, under};
+use volref::conventions::{
+    CATALOGUE, Profile, RayCaster, bounds, images_by_chance, mean_of_places, under,
+};
 use volref::film::{Bits, Film};
 use volref::geometry::{Camera, Transform, length_of};
 use volref::judging::Verdict;
@@ -293,8 +295,8 @@ fn images_of_all_first_samples() {
         };
         assert!(images_by_chance(&image("")).is_none());
         let scene = image(random);
-        let ByChance { bounds, mean } = images_by_chance(&scene).unwrap();
-        let ([lower, upper], mean) = (bounds, mean.unwrap());
+        let images = images_by_chance(&scene).unwrap();
+        let ([lower, upper], mean) = (bounds(&images), mean_of_places(&images));
         let film = film(&scene);
         let (mut is_wide, mut outside) = (false, 0);
         for index in 0..64 {
@@ -330,7 +332,7 @@ fn images_of_rounded_places() {
         volume.conventions.precision = Precision::F32;
         // Parallel to the last axis, whose voxels end at 0.25 and 0.75.
         let scene = image(volume.clone());
-        let [lower, upper] = images_by_chance(&scene).unwrap().bounds;
+        let [lower, upper] = bounds(&images_by_chance(&scene).unwrap());
         let film = film(&scene);
         let [least, value, most] = [&lower, &film, &upper].map(|it| it.pixel(0)[3]);
         assert!((least..=most).contains(&value));
@@ -342,7 +344,7 @@ fn images_of_rounded_places() {
     volume.conventions.precision = Precision::F32;
     for (threshold, ends_by_rounding) in [(0.25, true), (0.26, false)] {
         volume.compositing = Compositing::EarlyTermination(threshold);
-        let [lower, upper] = images_by_chance(&image(volume.clone())).unwrap().bounds;
+        let [lower, upper] = bounds(&images_by_chance(&image(volume.clone())).unwrap());
         let [least, most] = [lower, upper].map(|it| it.pixel(0)[3]);
         assert_eq!(most - least > 0.1, ends_by_rounding, "{least} {most}");
     }
