@@ -52,7 +52,7 @@ pub fn scene_files() -> Vec<(String, PathBuf)> {
             }
         }
     }
-    found.sort();
+    found.sort_by(|(_, a), (_, b)| a.cmp(b));
     assert!(
         found.len() > 130,
         "a walk that finds nothing finds no fault either"
