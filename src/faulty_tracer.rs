@@ -1,8 +1,9 @@
 //! The plain path tracer's double, which makes mistakes.
 //!
 //! The loops of [`reference::path_tracer`](crate::reference::path_tracer), to be read first, with a switch
-//! at each place where path tracers go wrong: [`TransportFault`]. What no mistake touches is that tracer's own. Images of a mistake show what it looks
-//! like, so that it can be named; the reference has no switches. Without a fault both give the same bits
+//! at each place where path tracers go wrong: [`TransportFault`]. What no mistake touches is that tracer's own. Images of
+//! a mistake show what it looks like, so that it can be named; the reference has no switches. Without a fault both give
+//! the same bits
 //! (`tests/library/reference.rs`).
 
 use crate::geometry::{Direction, Emitter, Hit, Ray, Side, Solid, Surface};
@@ -71,12 +72,8 @@ impl<'s> FaultyTracer<'s> {
 
     /// Radiance that one path brings back along `ray`.
     fn radiance(&self, ray: Ray, random: &mut Random) -> DVec3 {
-        let max_bounces = self
-            .plain
-            .scene
-            .scattering
-            .max_bounces()
-            .unwrap_or(u32::MAX);
+        let scene = self.plain.scene;
+        let max_bounces = scene.scattering.max_bounces().unwrap_or(u32::MAX);
         let mut path = Path {
             ray,
             pdf: None,
@@ -88,7 +85,7 @@ impl<'s> FaultyTracer<'s> {
             path.may_bounce = bounce < max_bounces;
             let hit = self.plain.hit(&path.ray);
             let end = hit.as_ref().map_or(f64::INFINITY, |(_, hit)| hit.t);
-            let segments = Segment::along(&path.ray, end, &self.plain.scene.media);
+            let segments = Segment::along(&path.ray, end, &scene.media);
             if path.may_bounce {
                 let light = self.point_lights_along(&path.ray, &segments, random);
                 path.radiance += path.throughput * light;
@@ -108,7 +105,7 @@ impl<'s> FaultyTracer<'s> {
                     None
                 }
                 (None, None) => {
-                    path.radiance += path.throughput * self.plain.scene.environment;
+                    path.radiance += path.throughput * scene.environment;
                     None
                 }
             };

@@ -6,43 +6,19 @@ use super::rounded_places::scenes_of_rounded_places;
 use crate::film::Film;
 use crate::scene::Scene;
 
-/// Images with each choice that a caster leaves to chance or to rounding made in turn.
-#[derive(Clone, Debug)]
-pub struct ByChance {
-    /// Least and largest value of each channel, between which every pixel of a right image lies.
-    pub bounds: [Film; 2],
-    /// Means over all random places, by the trapezoid rule; none where something is rounded alone.
-    pub mean: Option<Film>,
+/// The images of `scene` with each choice that the caster leaves to chance or to rounding made in turn; `None` if there
+/// is none, or a panel is no classified volume.
+pub fn images_by_chance(scene: &Scene) -> Option<Vec<Film>> {
+    render_all(&scenes_by_chance(scene)?)
 }
 
-/// The images of `scene` by chance; `None` if nothing in it is random or rounded, or a panel is no classified volume.
-pub fn images_by_chance(scene: &Scene) -> Option<ByChance> {
-    let random = scenes_of_first_samples(scene);
-    let is_random = random.is_some();
-    let scenes = random.or_else(|| scenes_of_rounded_places(scene))?;
-    let images = render_all(&scenes)?;
-    let mean = || {
-        combined(&images, |values| {
-            let values: Vec<f64> = values.map(f64::from).collect();
-            let ends = 0.5 * (values[0] + values[values.len() - 1]);
-            (values.iter().sum::<f64>() - ends) / (values.len() - 1) as f64
-        })
-    };
-    Some(ByChance {
-        mean: is_random.then(mean),
-        bounds: bounds(&images),
-    })
+/// `scene` with each choice that the caster leaves to chance or to rounding made in turn; `None` if there is none.
+pub(crate) fn scenes_by_chance(scene: &Scene) -> Option<Vec<Scene>> {
+    scenes_of_first_samples(scene).or_else(|| scenes_of_rounded_places(scene))
 }
 
-/// `scene` with each choice that the caster leaves to chance or to rounding made in turn: `scene` alone if there is none.
-pub(crate) fn scenes_by_chance(scene: &Scene) -> Vec<Scene> {
-    let random = scenes_of_first_samples(scene);
-    let scenes = random.or_else(|| scenes_of_rounded_places(scene));
-    scenes.unwrap_or_else(|| vec![scene.clone()])
-}
-
-/// Least and largest value of each channel in `images`, of one size.
-pub(crate) fn bounds(images: &[Film]) -> [Film; 2] {
+/// Least and largest value of each channel in `images`, of one size: every pixel of a right image lies between them.
+pub fn bounds(images: &[Film]) -> [Film; 2] {
     [
         combined(images, |values| {
             values.fold(f64::INFINITY, |least, value| least.min(value.into()))
@@ -51,6 +27,15 @@ pub(crate) fn bounds(images: &[Film]) -> [Film; 2] {
             values.fold(f64::NEG_INFINITY, |most, value| most.max(value.into()))
         }),
     ]
+}
+
+/// Means of `images` of all random places, by the trapezoid rule.
+pub fn mean_of_places(images: &[Film]) -> Film {
+    combined(images, |values| {
+        let values: Vec<f64> = values.map(f64::from).collect();
+        let ends = 0.5 * (values[0] + values[values.len() - 1]);
+        (values.iter().sum::<f64>() - ends) / (values.len() - 1) as f64
+    })
 }
 
 /// The image with a `value` of the values in `images` for each channel.

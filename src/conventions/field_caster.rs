@@ -7,7 +7,7 @@
 //! [`RayCaster`]: these are its modes. With default conventions and without mistakes both give the same bits.
 
 use super::layer::rounded;
-use super::ray_caster::{RayCaster, Way};
+use super::ray_caster::RayCaster;
 use super::shading::ShadedSample;
 use super::steps::StepRule;
 use super::work::RayWork;
@@ -157,20 +157,15 @@ impl RayCaster<'_> {
         let Some(way) = self.way(ray, f64::INFINITY, rule) else {
             return vec![];
         };
-        let Way {
-            parts,
-            steps,
-            count,
-        } = way;
-        let (caster, lines, _) = &parts[0];
+        let (caster, lines, _) = &way.parts[0];
         let sample = |index: usize| {
-            let (t, length) = steps.sample(index);
+            let (t, length) = way.steps.sample(index);
             let point = caster.looked_up(lines.nodes.at(t));
             let cell = Cell::around(self.scene.grid.lattice(), point);
             let value = caster.density(&cell, work);
             Sample { t, length, value }
         };
-        (0..count).map(sample).collect()
+        (0..way.count).map(sample).collect()
     }
 }
 
@@ -182,29 +177,20 @@ fn number(projection: &Projection, samples: &[Sample]) -> Option<f64> {
         Some(ProjectionFault::BeginsAtZero) => 0.0,
         _ => begin,
     };
-    let counts =
-        |sample: &&Sample| fault != Some(ProjectionFault::WithoutZeros) || sample.value != 0.0;
     let values = samples.iter().map(|sample| sample.value);
-    let integral = || {
-        samples
-            .iter()
-            .map(|sample| sample.value * sample.length)
-            .sum::<f64>()
-    };
-    let way = || {
-        samples
-            .iter()
-            .filter(counts)
-            .map(|sample| sample.length)
-            .sum::<f64>()
-    };
+    let integral = || samples.iter().map(|it| it.value * it.length).sum::<f64>();
     Some(match projection.of {
         Projected::Maximum if fault == Some(ProjectionFault::RefinedAtTheFront) => first.value,
         Projected::Maximum => values.fold(begin(f64::NEG_INFINITY), f64::max),
         Projected::Minimum => values.fold(begin(f64::INFINITY), f64::min),
-        // Where nothing counts, there is nothing.
-        Projected::Mean if way() == 0.0 => 0.0,
-        Projected::Mean => integral() / way(),
+        Projected::Mean => {
+            let leaves_zeros_out = fault == Some(ProjectionFault::WithoutZeros);
+            let counts = |it: &&Sample| !leaves_zeros_out || it.value != 0.0;
+            let counted = samples.iter().filter(counts);
+            let way: f64 = counted.map(|it| it.length).sum();
+            // Where nothing counts, there is nothing.
+            if way == 0.0 { 0.0 } else { integral() / way }
+        }
         Projected::Sum => integral(),
         Projected::AttenuatedMaximum(attenuation) => {
             let (mut most, mut depth) = (0.0_f64, 0.0);

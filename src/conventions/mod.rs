@@ -26,8 +26,8 @@ mod work;
 
 pub(crate) use catalogue::ConventionSet;
 pub use catalogue::{CATALOGUE, Convention, STEP, under};
-pub use chance::{ByChance, images_by_chance};
-pub(crate) use chance::{bounds, scenes_by_chance};
+pub(crate) use chance::scenes_by_chance;
+pub use chance::{bounds, images_by_chance, mean_of_places};
 pub use image::render;
 pub(crate) use normals::NodeGradients;
 pub(crate) use profile::PROFILE;

@@ -200,22 +200,17 @@ impl<'s> RayCaster<'s> {
         let Some(way) = self.way(ray, end, rule) else {
             return seen;
         };
-        let Way {
-            parts,
-            steps,
-            count,
-        } = way;
         let is_alone = self.common.is_none();
         let reversed = is_alone && scene.compositing == Compositing::BackToFront;
-        for done in 0..count {
-            let index = if reversed { count - 1 - done } else { done };
-            let (t, length) = steps.sample(index);
+        for done in 0..way.count {
+            let index = if reversed { way.count - 1 - done } else { done };
+            let (t, length) = way.steps.sample(index);
             let length = if is_alone && scene.conventions.nominal_opacity {
-                length / steps.step * scene.step
+                length / way.steps.step * scene.step
             } else {
                 length
             };
-            for (caster, lines, inside) in &parts {
+            for (caster, lines, inside) in &way.parts {
                 if inside.near <= t
                     && t <= inside.far
                     && let Some(sample) = caster.sample(ray, lines, t, length, work)

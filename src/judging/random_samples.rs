@@ -5,7 +5,7 @@
 
 use crate::compare::Picture;
 use crate::compare::deterministic::tolerance_of_mean;
-use crate::conventions::images_by_chance;
+use crate::conventions::{bounds, images_by_chance, mean_of_places};
 use crate::film::Film;
 use crate::math::Sum;
 use crate::scene::{Panel, Scene};
@@ -23,20 +23,20 @@ const ERRORS: f64 = 6.0;
 /// its size.
 pub fn nearest(scene: &Scene, test: &Picture) -> Option<Film> {
     let test = test.radiance()?;
-    let all = images_by_chance(scene)?;
-    if !all.bounds[0].is_comparable(test) {
+    let images = images_by_chance(scene)?;
+    let bounds = bounds(&images);
+    if !bounds[0].is_comparable(test) {
         return None;
     }
     let mut volumes = scene.panels.iter().filter_map(Panel::classified);
-    let is_right_on_average = volumes.any(|volume| volume.conventions.is_jittered());
-    if let Some(mean) = all.mean.filter(|_| is_right_on_average) {
+    if volumes.any(|volume| volume.conventions.is_jittered()) {
+        let mean = mean_of_places(&images);
         // A value that was rounded lies within half a code of what it was.
-        let rounded = test.nearest_to(&mean);
-        if !is_mean_by_chance(&all.bounds, &mean, &rounded) {
+        if !is_mean_by_chance(&bounds, &mean, &test.nearest_to(&mean)) {
             return Some(mean);
         }
     }
-    Some(within(&all.bounds, test))
+    Some(within(&bounds, test))
 }
 
 /// `test` with each value moved into that of both images, in linear light.

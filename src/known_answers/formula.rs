@@ -20,12 +20,6 @@ pub struct Formula {
     pub(super) of: fn(&Radiative) -> Result<AlongRay<'_>, String>,
 }
 
-impl PartialEq for Formula {
-    fn eq(&self, other: &Formula) -> bool {
-        self.name == other.name
-    }
-}
-
 /// A radiance without an error.
 pub(super) fn exact(value: DVec3) -> Integral {
     Integral { value, error: 0.0 }
@@ -33,5 +27,5 @@ pub(super) fn exact(value: DVec3) -> Integral {
 
 /// Share of the light that passes an optical depth, by channel.
 pub(super) fn transmittance(depth: DVec3) -> DVec3 {
-    DVec3::from_array(depth.to_array().map(|depth| math::exp(-depth)))
+    depth.map(|depth| math::exp(-depth))
 }

@@ -17,7 +17,7 @@
 
 use super::formula::{AlongRay, Formula, exact};
 use super::plane_layer::PlaneLayer;
-use super::requirements::require;
+use super::requirements::{dark, require};
 use crate::math;
 use crate::math::quadrature::{Integral, integrate};
 use crate::scene::Radiative;
@@ -52,7 +52,7 @@ pub(crate) fn h_function(albedo: DVec3, mu: f64) -> Integral {
         };
         let weight = 1.0 / (cosine * cosine + mu * mu * sine * sine);
         let term = |albedo: f64| -weight * math::ln((1.0 - albedo) + albedo * below_one);
-        DVec3::from_array(albedo.to_array().map(term))
+        albedo.map(term)
     };
     // Without a tolerance relative to 0: there is nothing to be integrated.
     if albedo == DVec3::ZERO {
@@ -60,7 +60,7 @@ pub(crate) fn h_function(albedo: DVec3, mu: f64) -> Integral {
     }
     let logarithm = integrate(integrand, 0.0, FRAC_PI_2, TOLERANCE);
     let scaled = logarithm.value * (mu / PI);
-    let value = DVec3::from_array(scaled.to_array().map(math::exp));
+    let value = scaled.map(math::exp);
     Integral {
         value,
         error: value.max_element() * logarithm.error * (mu / PI),
@@ -87,7 +87,9 @@ fn diffusion_exponent(albedo: f64) -> f64 {
 }
 
 fn of(scene: &Radiative) -> Result<AlongRay<'_>, String> {
-    let layer = PlaneLayer::dark_and_open(scene)?;
+    let layer = PlaneLayer::of(scene)?;
+    dark(&scene.media[0].medium)?;
+    require(layer.back.is_none(), "it has a surface or a lamp")?;
     let albedo = layer.coefficients.albedo();
     let depth = layer.coefficients.sigma_t() * layer.thickness();
     for c in 0..3 {
@@ -97,7 +99,7 @@ fn of(scene: &Radiative) -> Result<AlongRay<'_>, String> {
             "the layer is too thin to stand for a half-space",
         )?;
     }
-    let absorbed = DVec3::from_array(albedo.to_array().map(|albedo| (1.0 - albedo).sqrt()));
+    let absorbed = albedo.map(|albedo| (1.0 - albedo).sqrt());
     let sky = scene.environment;
     Ok(layer.along(0.0, move |mu| {
         let h = h_function(albedo, mu);

@@ -1,6 +1,6 @@
 //! Layers between two planes: a wide box stands for one.
 
-use super::requirements::{any_order, dark, isotropic, only_homogeneous, require, without_lights};
+use super::requirements::{any_order, only_homogeneous, require, without_lights};
 use crate::geometry::{Aabb, Boundary, Emitter, Luminous, Ray, Rectangle, Shape, Surface};
 use crate::math::quadrature::Integral;
 use crate::optics::{Coefficients, Material, Sides};
@@ -36,7 +36,10 @@ impl PlaneLayer {
         any_order(scene)?;
         without_lights(scene)?;
         let (body, medium) = only_homogeneous(scene)?;
-        isotropic(&medium.phase)?;
+        require(
+            medium.phase.is_isotropic(),
+            "the formula is for isotropic scattering",
+        )?;
         let Some(Boundary::Box(bounds)) = &body.boundary else {
             return Err("its medium is not a `box`".to_owned());
         };
@@ -89,14 +92,6 @@ impl PlaneLayer {
             emission: medium.emission,
             back,
         })
-    }
-
-    /// A layer that emits nothing, with nothing behind it.
-    pub fn dark_and_open(scene: &Radiative) -> Result<PlaneLayer, String> {
-        let layer = PlaneLayer::of(scene)?;
-        dark(&scene.media[0].medium)?;
-        require(layer.back.is_none(), "it has a surface or a lamp")?;
-        Ok(layer)
     }
 
     /// Its thickness.

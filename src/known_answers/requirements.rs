@@ -86,14 +86,6 @@ pub fn absorbing(coefficients: &Coefficients) -> Result<(), String> {
     )
 }
 
-/// Isotropic scattering.
-pub fn isotropic(phase: &Phase) -> Result<(), String> {
-    require(
-        phase.is_isotropic(),
-        "the formula is for isotropic scattering",
-    )
-}
-
 /// The asymmetry of a Henyey–Greenstein phase function.
 pub fn henyey_greenstein(phase: &Phase) -> Result<f64, String> {
     match phase {

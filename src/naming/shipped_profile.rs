@@ -73,7 +73,7 @@ fn is_near(test: &Film, profile: &Profile, scene: &Scene, images: &Images<'_>) -
     let lattice = lattice_of(pixels, LATTICE);
     let on_lattice = pixels_of(test, scene, lattice);
     let before = images.clock.work();
-    let scenes = scenes_by_chance(&under);
+    let scenes = scenes_by_chance(&under).unwrap_or_else(|| vec![under]);
     let right = scenes.iter().map(|scene| images.of_scene(scene, lattice));
     let Some(right) = right.collect::<Option<Vec<Film>>>() else {
         return false;

@@ -8,37 +8,29 @@ pub type Value = ([f64; 3], [f64; 3]);
 /// Radiance and variance at column and row; variance 0 where the film states none.
 pub fn value(film: &Film, [x, y]: [usize; 2]) -> Value {
     let index = x + film.width() * y;
-    let variance = film
-        .noise()
-        .map_or([0.0; 3], |noise| noise.variance()[index]);
-    (
-        film.radiance()[index].map(f64::from),
-        variance.map(f64::from),
-    )
+    let radiance = film.radiance()[index].map(f64::from);
+    (radiance, [0, 1, 2].map(|c| film.variance_at(index, c)))
 }
 
 /// The film with other pixels; opacity is unchanged.
 pub fn rebuilt(film: &Film, pixel: impl Fn(&Film, [usize; 2]) -> Value) -> Film {
     let (width, height) = (film.width(), film.height());
     let single = |values: [f64; 3]| values.map(|value| value as f32);
-    let (mut radiance, mut variance) = (Vec::new(), Vec::new());
-    for index in 0..width * height {
+    let pixels = (0..width * height).map(|index| {
         let (mean, spread) = pixel(film, [index % width, index / width]);
-        radiance.push(single(mean));
-        variance.push(single(spread));
-    }
-    if let Some(noise) = film.noise() {
-        if noise.is_known() {
-            return Film::new(width, height, radiance).known();
+        (single(mean), single(spread))
+    });
+    let (radiance, variance): (Vec<_>, Vec<_>) = pixels.unzip();
+    match (film.noise(), film.opacity()) {
+        (Some(noise), _) if noise.is_known() => Film::new(width, height, radiance).known(),
+        (Some(noise), _) => Film::with_noise(width, height, radiance, variance, noise.samples()),
+        (None, Some(opacity)) => {
+            let pixels = radiance.iter().zip(opacity);
+            let pixels = pixels.map(|(&[r, g, b], &a)| [r, g, b, a]);
+            Film::with_opacity(width, height, pixels.collect())
         }
-        return Film::with_noise(width, height, radiance, variance, noise.samples());
+        (None, None) => Film::new(width, height, radiance),
     }
-    let Some(opacity) = film.opacity() else {
-        return Film::new(width, height, radiance);
-    };
-    let pixels = radiance.iter().zip(opacity);
-    let pixels = pixels.map(|(&[r, g, b], &a)| [r, g, b, a]);
-    Film::with_opacity(width, height, pixels.collect())
 }
 
 /// The value of each channel mapped to another; with the derivative of the map, by which noise

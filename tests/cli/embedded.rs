@@ -2,25 +2,13 @@
 
 use crate::folder::{Folder, Run, assert_holds};
 
-/// Fails unless the command succeeded and printed all the `parts`.
-fn prints(run: &Run, parts: &[&str]) {
-    assert_eq!(run.code, 0, "{}{}", run.stdout, run.stderr);
-    for part in parts {
-        assert!(
-            run.stdout.contains(part),
-            "{part:?} is not in: {}",
-            run.stdout
-        );
-    }
-}
-
 /// The core set is that of the suite, in every folder.
 #[test]
 fn the_core_set_is_listed() {
     let folder = Folder::new();
     let overview = folder.volref("list");
     let core = "The core set, 25 cases that a renderer is asked first, as the filter core:";
-    prints(&overview, &["\nsampled ", "\nhard ", core]);
+    overview.prints(0, &["\nsampled ", "\nhard ", core]);
     assert!(
         overview
             .stdout
@@ -50,12 +38,14 @@ fn the_core_set_is_listed() {
 fn an_empty_folder_is_enough() {
     let folder = Folder::new();
     let run = folder.volref("list figures");
-    prints(&run, &["figures/figure-1", "figures/figure-5"]);
+    run.prints(0, &["figures/figure-1", "figures/figure-5"]);
     // Lines of progress are left out of `Run`.
     let said = folder.command("list figures").output().unwrap().stderr;
     let said = String::from_utf8(said).unwrap();
     assert!(said.contains("volref: the suite of volref "), "{said}");
-    prints(&folder.volref("verify figure-2"), &["1 case: 1 passed"]);
+    folder
+        .volref("verify figure-2")
+        .prints(0, &["1 case: 1 passed"]);
     // A case stands for its scene.
     folder
         .volref("render figure-2 -o out/figures/figure-2.exr")
@@ -65,9 +55,9 @@ fn an_empty_folder_is_enough() {
         .expect(0, "");
     folder.volref("plan figure-2").expect(0, "");
     let run = folder.volref("validate figure-2 --outputs .");
-    prints(&run, &["pass", "figures/figure-2"]);
+    run.prints(0, &["pass", "figures/figure-2"]);
     let run = folder.volref("export figure-2 --to bundle -o bundle");
-    prints(&run, &["figure-2.json"]);
+    run.prints(0, &["figure-2.json"]);
     let files = folder.files();
     let unexpected = |name: &&String| *name != "figure-2.exr" && !name.starts_with("bundle/");
     assert_eq!(files.keys().find(unexpected), None);
@@ -101,7 +91,7 @@ fn it_is_kept_and_never_changed() {
     let run = folder.volref("accept figure-2 --reason none");
     run.expect(2, "cannot be changed … volref suite --extract DIR");
     let run = folder.volref("suite --extract copy");
-    prints(&run, &["written into copy", "--suite copy"]);
+    run.prints(0, &["written into copy", "--suite copy"]);
     folder.volref("verify figure-2 --suite copy").expect(0, "");
     folder
         .volref("suite --extract copy")
@@ -137,7 +127,7 @@ fn without_a_place_to_keep_it() {
     // Whoever names a suite needs none.
     let suite = Folder::with_suite();
     let run = suite.run_with(&[("TMPDIR", "nowhere")], &["list", "smoke"]);
-    prints(&run, &["smoke/plain"]);
+    run.prints(0, &["smoke/plain"]);
     // The user's own folder for caches.
     let mut command = folder.command(&verify[..]);
     command.env_remove("VOLREF_CACHE");

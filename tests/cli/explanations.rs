@@ -1,6 +1,6 @@
 //! What explains an image, of conventions, mistakes and profiles: the plainest.
 
-use crate::folder::{Folder, MANIFEST, Run};
+use crate::folder::{Folder, MANIFEST, Run, copy};
 use std::path::Path;
 use volref::film::{Bits, Film};
 use volref::suite::Suite;
@@ -226,17 +226,4 @@ fn a_profile_that_leaves_nothing_passes_no_case() {
         2 * of("reason", "leaves nothing of this scene to see") > cases.len(),
         "{results}"
     );
-}
-
-/// Copies a folder.
-fn copy(from: &Path, to: &Path) {
-    std::fs::create_dir_all(to).unwrap();
-    for entry in std::fs::read_dir(from).unwrap() {
-        let entry = entry.unwrap();
-        let target = to.join(entry.file_name());
-        match entry.path().is_dir() {
-            true => copy(&entry.path(), &target),
-            false => drop(std::fs::copy(entry.path(), target).unwrap()),
-        }
-    }
 }

@@ -366,3 +366,32 @@ macro_rules! assert_shown {
     }};
 }
 pub(crate) use assert_shown;
+
+/// The repository.
+pub fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// The files `fixtures/<folder>/*/*.toml` of the repository, in order.
+pub fn tables_in(folder: &str) -> Vec<PathBuf> {
+    let families = std::fs::read_dir(root().join("fixtures").join(folder)).unwrap();
+    let files = families.flat_map(|family| std::fs::read_dir(family.unwrap().path()).unwrap());
+    let mut files: Vec<PathBuf> = files.map(|file| file.unwrap().path()).collect();
+    // Scenes may have other files beside them.
+    files.retain(|path| path.extension().is_some_and(|it| it == "toml"));
+    files.sort();
+    files
+}
+
+/// Copies a folder.
+pub fn copy(from: &Path, to: &Path) {
+    std::fs::create_dir_all(to).unwrap();
+    for entry in std::fs::read_dir(from).unwrap() {
+        let entry = entry.unwrap();
+        let target = to.join(entry.file_name());
+        match entry.path().is_dir() {
+            true => copy(&entry.path(), &target),
+            false => drop(std::fs::copy(entry.path(), target).unwrap()),
+        }
+    }
+}

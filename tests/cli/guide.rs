@@ -11,7 +11,7 @@
 //! Any other block is an error. Marks, HTML comments in the lines above a block, say the rest:
 //! [`Mark`].
 
-use crate::folder::{CLOUD, Folder, SIGN_OF_LIFE};
+use crate::folder::{CLOUD, Folder, SIGN_OF_LIFE, copy, root};
 use crate::needs::{NUMPY, is_there};
 use std::fmt;
 use std::path::Path;
@@ -55,10 +55,6 @@ documents! {
 
 /// Links of the guide as rustdoc resolves them.
 const RUSTDOC_LINKS: &str = "src/guide/links.md";
-
-fn root() -> &'static Path {
-    Path::new(env!("CARGO_MANIFEST_DIR"))
-}
 
 fn text(file: &str) -> String {
     std::fs::read_to_string(root().join(file)).unwrap()
@@ -507,19 +503,6 @@ fn readers_folder() -> Folder {
         folder.write(name, folder.read(of));
     }
     folder
-}
-
-fn copy(from: &Path, to: &Path) {
-    std::fs::create_dir_all(to).unwrap();
-    for entry in std::fs::read_dir(from).unwrap() {
-        let entry = entry.unwrap();
-        let to = to.join(entry.file_name());
-        if entry.path().is_dir() {
-            copy(&entry.path(), &to);
-        } else {
-            std::fs::copy(entry.path(), to).unwrap();
-        }
-    }
 }
 
 fn run(file: &str) {

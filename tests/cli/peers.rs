@@ -4,6 +4,7 @@
 //! The student's renderer needs `python3` with NumPy. Where there is none, its tests say so and
 //! test nothing.
 
+use crate::folder::{root, tables_in};
 use crate::needs::{NUMPY, is_there};
 use glam::{DMat3, DVec3};
 use serde_json::Value;
@@ -15,10 +16,6 @@ use volref::film::Film;
 use volref::math::{exp, ln_1p};
 use volref::render::{Sampling, plans, render};
 use volref::scene::{Model, Scene};
-
-fn root() -> &'static Path {
-    Path::new(env!("CARGO_MANIFEST_DIR"))
-}
 
 fn figure_file(name: &str) -> PathBuf {
     root().join(format!("fixtures/scenes/figures/{name}.toml"))
@@ -225,10 +222,7 @@ fn surfaces_media_and_lights_in_words_and_numbers() {
 #[test]
 fn every_radiative_scene_has_a_bundle() {
     let mut said = 0;
-    let families = std::fs::read_dir(root().join("fixtures/scenes")).unwrap();
-    let files = families.flat_map(|family| std::fs::read_dir(family.unwrap().path()).unwrap());
-    let files = files.map(|file| file.unwrap().path());
-    for path in files.filter(|path| path.extension().is_some_and(|it| it == "toml")) {
+    for path in tables_in("scenes") {
         let scene = Scene::load(&path).unwrap();
         let Model::Radiative(radiative) = &scene.panels[0].model else {
             continue;

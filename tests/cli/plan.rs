@@ -1,6 +1,6 @@
 //! `volref plan`
 
-use crate::folder::{Folder, Run};
+use crate::folder::{Folder, Run, root, tables_in};
 use std::path::{Path, PathBuf};
 
 /// Plans kept as text, one for each kind of estimator.
@@ -17,29 +17,16 @@ const WHOLE_PLANS: [&str; 5] = [
 /// take the hashes over with `INSTA_UPDATE=always cargo test --test cli plans_of_the_suite`.
 #[test]
 fn plans_of_the_suite() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let entries = |folder: &Path| {
-        let entries = std::fs::read_dir(folder).unwrap();
-        let mut paths: Vec<_> = entries.map(|entry| entry.unwrap().path()).collect();
-        paths.sort();
-        paths
-    };
     let plan = |scene: &Path| {
-        let name = scene.strip_prefix(root).unwrap().to_str().unwrap();
+        let name = scene.strip_prefix(root()).unwrap().to_str().unwrap();
         let folder = Folder::new();
         let mut command = folder.command(&["plan", name]);
-        let run = Run::of(command.current_dir(root).output().unwrap());
+        let run = Run::of(command.current_dir(root()).output().unwrap());
         run.expect(0, "");
         run.stdout
     };
-    let families = entries(&root.join("fixtures/scenes"));
-    assert!(families.len() >= 5);
-    let mut scenes: Vec<PathBuf> = families.iter().flat_map(|family| entries(family)).collect();
-    scenes.retain(|scene| {
-        scene
-            .extension()
-            .is_some_and(|extension| extension == "toml")
-    });
+    let scenes = tables_in("scenes");
+    assert!(scenes.len() >= 100);
     let plans: Vec<String> = std::thread::scope(|threads| {
         let plans_of = |scenes: &[PathBuf]| scenes.iter().map(|scene| plan(scene)).collect();
         let running: Vec<_> = (scenes.chunks(scenes.len().div_ceil(2)))
@@ -52,7 +39,7 @@ fn plans_of_the_suite() {
     let mut hashes = String::new();
     let mut whole = 0;
     for (scene, plan) in scenes.iter().zip(&plans) {
-        let name = scene.strip_prefix(root.join("fixtures/scenes")).unwrap();
+        let name = scene.strip_prefix(root().join("fixtures/scenes")).unwrap();
         let name = name.with_extension("").to_str().unwrap().to_owned();
         let hash = blake3::hash(plan.as_bytes()).to_hex();
         hashes += &format!("{} {name}\n", &hash[..16]);

@@ -43,23 +43,14 @@ fn the_scene_is_the_default() {
 
 /// The files `fixtures/<folder>/*/*.toml`, as JSON.
 fn tables_in(folder: &str) -> Vec<(String, Value)> {
-    let mut files = Vec::new();
-    for family in std::fs::read_dir(fixtures().join(folder)).unwrap() {
-        for file in std::fs::read_dir(family.unwrap().path()).unwrap() {
-            let path = file.unwrap().path();
-            // Scenes may have other files beside them.
-            if path.extension().is_none_or(|extension| extension != "toml") {
-                continue;
-            }
-            let table: toml::Table = std::fs::read_to_string(&path).unwrap().parse().unwrap();
-            files.push((
-                path.display().to_string(),
-                serde_json::to_value(table).unwrap(),
-            ));
-        }
-    }
+    let files = crate::folder::tables_in(folder);
     assert!(files.len() >= 5, "only {} files in {folder}", files.len());
-    files
+    let json = |path: PathBuf| {
+        let table: toml::Table = std::fs::read_to_string(&path).unwrap().parse().unwrap();
+        let json = serde_json::to_value(table).unwrap();
+        (path.display().to_string(), json)
+    };
+    files.into_iter().map(json).collect()
 }
 
 #[test]

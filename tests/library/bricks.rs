@@ -1,7 +1,9 @@
 //! The family `bricks`: goldens against the formula of their field, without a grid; files that hold the same grid; and
 //! what is said of renderers that store volumes in bricks and are wrong at their borders.
 
-use crate::common::suite::{film_of as rendered, golden_of, searched, validated};
+use crate::common::suite::{
+    case_of, cases_of, film_of as rendered, golden_of, searched, validated,
+};
 use crate::sampled::{composited, number, rays, span, table_of, vector};
 use glam::{DVec3, dvec3};
 use std::sync::Arc;
@@ -13,16 +15,8 @@ use volref::suite::Case;
 use volref::variations::mistakes;
 use volref::volume::{Grid, Lattice};
 
-fn family() -> Vec<Case> {
-    let suite = crate::common::suite::suite();
-    let cases = suite.select(&["bricks".to_owned()]).unwrap();
-    cases.into_iter().cloned().collect()
-}
-
-fn case(name: &str) -> Case {
-    let cases = family().into_iter();
-    let name = format!("bricks/{name}");
-    cases.clone().find(|case| case.name == name).unwrap()
+fn case(name: &str) -> &'static Case {
+    case_of(&format!("bricks/{name}"))
 }
 
 /// Three whole numbers.
@@ -96,7 +90,7 @@ fn in_volume(volume: &toml::Value, (origin, direction): (DVec3, DVec3)) -> (DVec
 /// 1, and positions of samples that are off by some 2⁻⁴⁰ of the volume.
 #[test]
 fn goldens_are_those_of_the_formula() {
-    let cases = family();
+    let cases = cases_of("bricks");
     assert!(cases.len() >= 16);
     for case in &cases {
         let scene = table_of(&case.scene);
@@ -173,10 +167,7 @@ fn mistakes_of_bricks_are_named() {
         let case = case(name);
         let scene = case.load_scene().unwrap();
         let wrong = mistakes::named(mistake).unwrap().in_scene(&scene).unwrap();
-        let said = searched(&case, rendered(&wrong))
-            .looks_like
-            .first()
-            .cloned();
+        let said = searched(case, rendered(&wrong)).looks_like.first().cloned();
         assert_eq!(said.as_deref(), Some(mistake), "{name}");
     }
 }
@@ -195,7 +186,6 @@ fn reversed_and_exchanged_axes_are_named() {
     };
     // array[x, y, z] of an array whose axes are z, y, x.
     let other_indices: Source = |[i, j, k], [nx, _, nz]| [k.min(nx - 1), j, i.min(nz - 1)];
-    let suite = crate::common::suite::suite();
     for (name, source, mistake) in [
         ("scenes/turned", reversed_z, "volume-reversed-along-z"),
         ("scenes/oblique", reversed_x, "volume-reversed-along-x"),
@@ -228,7 +218,7 @@ fn reversed_and_exchanged_axes_are_named() {
             "volume-indices-reversed",
         ),
     ] {
-        let case = suite.select(&[name.to_owned()]).unwrap()[0];
+        let case = case_of(name);
         let edit = |volume: &mut Classified| {
             let nodes = volume.grid.lattice().nodes();
             with_nodes(volume, |node| Some(source(node, nodes)));
@@ -240,7 +230,7 @@ fn reversed_and_exchanged_axes_are_named() {
         assert_eq!(said.as_deref(), Some(mistake), "{name}");
     }
     // Coordinates of a texture in another order: the box stays, the counts of nodes are exchanged.
-    let case = suite.select(&["scenes/sheared".to_owned()]).unwrap()[0];
+    let case = case_of("scenes/sheared");
     let edit = |volume: &mut Classified| {
         let (old, bounds) = (*volume.grid.lattice(), volume.grid.lattice().bounds());
         let [nx, ny, nz] = old.nodes();

@@ -1,6 +1,6 @@
 //! Conventions of other ray casters.
 
-use crate::common::suite::film_of as film;
+use crate::common::suite::{case_of, cases_of, film_of as film, root, suite, validated};
 use crate::ray_caster::scenes::{PHONG, plain};
 use glam::DVec3;
 use std::ops::Range;
@@ -8,10 +8,12 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 use volref::check::check_within;
 use volref::compare::{Conditions, Picture, judge};
-use volref::conventions::{ByChance, CATALOGUE, Profile, RayCaster, images_by_chance, under};
+use volref::conventions::{
+    CATALOGUE, Profile, RayCaster, bounds, images_by_chance, mean_of_places, under,
+};
 use volref::film::{Bits, Film};
 use volref::geometry::{Camera, Transform, length_of};
-use volref::judging::{Verdict, validate};
+use volref::judging::Verdict;
 use volref::math::{pow, tan};
 use volref::naming::ConventionSearch;
 use volref::optics::{Appearance, Phong, TransferPoint, TransferPoints};
@@ -19,7 +21,7 @@ use volref::scene::format::{Key, Kind};
 use volref::scene::{
     CONVENTIONS, Classified, Compositing, Conventions, LastStep, Model, Precision, Scene, Shadow,
 };
-use volref::suite::{Case, Output, Suite};
+use volref::suite::Case;
 use volref::variations::mistakes;
 use volref::volume::{Centring, Grid, Interpolation, Lattice};
 
@@ -88,11 +90,7 @@ fn assert_passes(scene: &Classified, transmittance: f64, conventions: &str) {
 /// steps, or one volume is.
 #[test]
 fn profiles_of_several_objects() {
-    let suite = Suite::open(std::path::Path::new(env!("CARGO_MANIFEST_DIR"))).unwrap();
-    let scene = |name: &str| {
-        let case = suite.select(&[name.to_owned()]).unwrap()[0];
-        case.load_scene().unwrap()
-    };
+    let scene = |name: &str| case_of(name).load_scene().unwrap();
     let applied = |name: &str, keys: &str, conventions: &str| {
         let text = format!("name = 'mine'\n{keys}[conventions]\n{conventions}\n");
         let profile = Profile::parse(&text, "mine.toml").unwrap();
@@ -297,8 +295,8 @@ fn images_of_all_first_samples() {
         };
         assert!(images_by_chance(&image("")).is_none());
         let scene = image(random);
-        let ByChance { bounds, mean } = images_by_chance(&scene).unwrap();
-        let ([lower, upper], mean) = (bounds, mean.unwrap());
+        let images = images_by_chance(&scene).unwrap();
+        let ([lower, upper], mean) = (bounds(&images), mean_of_places(&images));
         let film = film(&scene);
         let (mut is_wide, mut outside) = (false, 0);
         for index in 0..64 {
@@ -334,7 +332,7 @@ fn images_of_rounded_places() {
         volume.conventions.precision = Precision::F32;
         // Parallel to the last axis, whose voxels end at 0.25 and 0.75.
         let scene = image(volume.clone());
-        let [lower, upper] = images_by_chance(&scene).unwrap().bounds;
+        let [lower, upper] = bounds(&images_by_chance(&scene).unwrap());
         let film = film(&scene);
         let [least, value, most] = [&lower, &film, &upper].map(|it| it.pixel(0)[3]);
         assert!((least..=most).contains(&value));
@@ -346,7 +344,7 @@ fn images_of_rounded_places() {
     volume.conventions.precision = Precision::F32;
     for (threshold, ends_by_rounding) in [(0.25, true), (0.26, false)] {
         volume.compositing = Compositing::EarlyTermination(threshold);
-        let [lower, upper] = images_by_chance(&image(volume.clone())).unwrap().bounds;
+        let [lower, upper] = bounds(&images_by_chance(&image(volume.clone())).unwrap());
         let [least, most] = [lower, upper].map(|it| it.pixel(0)[3]);
         assert_eq!(most - least > 0.1, ends_by_rounding, "{least} {most}");
     }
@@ -491,8 +489,7 @@ fn read(conventions: &str) -> Result<Conventions, String> {
         "[classified]\n[classified.volume]\nfile = 'fixtures/volumes/hard/hill.nrrd'\n\
          [classified.conventions]\n{conventions}\n"
     );
-    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
-    let scene = Scene::parse(&text, &root.join("scene.toml"));
+    let scene = Scene::parse(&text, &root().join("scene.toml"));
     let scene = scene.map_err(|error| error.to_string())?;
     Ok(scene.panels[0].classified().unwrap().conventions)
 }
@@ -655,8 +652,7 @@ fn opaque_scene(conventions: &str) -> Scene {
          [classified]\nstep = 0.11\n[classified.phong]\n[classified.shadow]\nstep = 0.2\n\
          {conventions}\n[classified.volume]\nfile = '../../volumes/hard/hill.nrrd'\n"
     );
-    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
-    Scene::parse(&text, &root.join("fixtures/scenes/hard/scene.toml")).unwrap()
+    Scene::parse(&text, &root().join("fixtures/scenes/hard/scene.toml")).unwrap()
 }
 
 /// A table of conventions in a scene.
@@ -726,9 +722,8 @@ fn pairs_of_conventions_do_not_contradict_each_other() {
 }
 
 /// A case of the suite and its scene, with few pixels.
-fn small(name: &str) -> (Case, Scene) {
-    let suite = Suite::bundled().unwrap();
-    let case = suite.select(&[name.to_owned()]).unwrap()[0].clone();
+fn small(name: &str) -> (&'static Case, Scene) {
+    let case = case_of(name);
     let mut scene = case.load_scene().unwrap();
     for panel in &mut scene.panels {
         (panel.width, panel.height) = (96, 96);
@@ -766,14 +761,14 @@ fn conventions_are_told_from_mistakes() {
     ] {
         let set = words.map(index).to_vec();
         let test = film(&under(&scene, &set));
-        let found = search.explain(&case, &scene, &test, None).unwrap();
+        let found = search.explain(case, &scene, &test, None).unwrap();
         assert_eq!(found.set, set);
         assert_eq!(found.but_for, 0.0);
     }
     // Of all others, `how_often_conventions_are_named`.
     let mistake = mistakes::named("opacity-halved").unwrap();
     let wrong = mistake.in_scene(&scene).unwrap();
-    let found = search.explain(&case, &scene, &film(&wrong), None);
+    let found = search.explain(case, &scene, &film(&wrong), None);
     assert_eq!(found, None);
 }
 
@@ -888,7 +883,7 @@ fn how_often_conventions_are_named() {
             }
             seen += 1;
             let start = Instant::now();
-            let found = ConventionSearch::default().explain(&case, &scene, &film, None);
+            let found = ConventionSearch::default().explain(case, &scene, &film, None);
             let taken = start.elapsed();
             longest = longest.max(taken);
             match found {
@@ -914,10 +909,9 @@ fn how_often_conventions_are_named() {
 #[test]
 #[ignore = "half an hour"]
 fn how_often_mistakes_are_called_conventions() {
-    let suite = Suite::bundled().unwrap();
-    let selected = suite.select(&["sampled".to_owned(), "figures/figure-1".to_owned()]);
+    let cases = ["figures/figure-1", "sampled"].map(cases_of).concat();
     let (mut wrong, mut made) = (0, 0);
-    for (number, case) in selected.unwrap().into_iter().enumerate() {
+    for (number, case) in cases.into_iter().enumerate() {
         let scene = case.load_scene().unwrap();
         let right = film(&scene);
         for mistake in mistakes::catalogue().skip(number % 12).step_by(12) {
@@ -926,14 +920,13 @@ fn how_often_mistakes_are_called_conventions() {
                 continue;
             };
             for film in [in_eight_bits(&film), film] {
-                let output = Output::Picture(Box::new(Picture::Radiance(film)));
-                let mut judged = validate(case, &suite.store(), output, None);
+                let mut judged = validated(case, film);
                 if judged.result.verdict != Verdict::Fail {
                     continue;
                 }
                 made += 1;
                 let search = ConventionSearch::default();
-                search.explain_mismatch(case, &suite.store(), &mut judged, 10.0, false);
+                search.explain_mismatch(case, &suite().store(), &mut judged, 10.0, false);
                 if judged.result.verdict == Verdict::Convention {
                     println!("{}: {}: {}", case.name, mistake.name, judged.result.reason);
                     wrong += 1;

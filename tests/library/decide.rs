@@ -1,6 +1,6 @@
 //! Looks at more and more samples raise no more false alarms than one look.
 
-use crate::common::simulated::{Sampling, Shape, sampled, scene};
+use crate::common::simulated::{Sampling, Shape, replicates, sampled, scene};
 use crate::needs::tries;
 use volref::compare::stochastic::{FALSE_ALARM, judge_at};
 use volref::film::Film;
@@ -19,12 +19,7 @@ fn is_rejected(seed: u64, shape: &Shape, level: f64, states_noise: bool) -> bool
         let test = match &films[..] {
             [one] => one.clone(),
             several if states_noise => Film::from_replicates(several).unwrap(),
-            several => {
-                let silent = several
-                    .iter()
-                    .map(|film| Film::new(SIDE, SIDE, film.radiance().to_vec()));
-                Film::from_replicates(&silent.collect::<Vec<_>>()).unwrap()
-            }
+            several => replicates(several),
         };
         let judgement = judge_at(&reference, &test, level * share_of_look(look)).unwrap();
         if !judgement.passed {

@@ -1,5 +1,6 @@
 //! Depth of classified volumes: closed forms, and the plain definition.
 
+use crate::common::suite::scene_of;
 use std::path::Path;
 use volref::film::Depth;
 use volref::math::{exp_m1, ln, ln_1p};
@@ -221,7 +222,6 @@ fn what_is_not_seen_has_no_depth() {
 /// and with other functions, to some ten roundings of a step each. 32 bits are coarser.
 #[test]
 fn the_plain_definition_agrees() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/scenes");
     let mut compared = 0;
     for name in [
         "figures/figure-1",
@@ -237,7 +237,7 @@ fn the_plain_definition_agrees() {
         "scenes/clipped-head",
         "scenes/three-in-shadow",
     ] {
-        let scene = Scene::load(&root.join(format!("{name}.toml"))).unwrap();
+        let scene = scene_of(name);
         for (kind, wanted) in Depth::ALL {
             let found = depth(&scene, wanted).unwrap();
             let panel = &scene.panels[0];

@@ -1,5 +1,6 @@
 //! Images in which nothing, or all but nothing, was drawn, and explanations of faint ones.
 
+use crate::common::simulated::edited;
 use crate::common::suite::{case_of as case, film_of as film, suite};
 use volref::compare::Picture;
 use volref::film::{Bits, Film};
@@ -11,13 +12,6 @@ const WORK: f64 = 10.0;
 
 fn output(picture: Picture) -> Output {
     Output::Picture(Box::new(picture))
-}
-
-/// `of` with every colour as `edit` makes it of its index, without opacity.
-fn edited(of: &Film, edit: impl Fn(usize, f32) -> f32) -> Film {
-    let pixels = of.radiance().iter().enumerate();
-    let pixels = pixels.map(|(index, pixel)| pixel.map(|value| edit(index, value)));
-    Film::new(of.width(), of.height(), pixels.collect())
 }
 
 /// The verdict on `picture` after all searches.
@@ -68,35 +62,34 @@ fn an_image_of_all_but_nothing_is_told_so_alone() {
         let scene = case.load_scene().unwrap();
         let count = scene.width() * scene.height();
         let empty = Film::new(scene.width(), scene.height(), vec![background; count]);
-        let one_pixel = edited(
-            &empty,
-            |index, value| {
-                if index == 245 { value + 0.0002 } else { value }
-            },
-        );
+        let at = |x: usize, y: usize| x + scene.width() * y;
+        let one_pixel = edited(&empty, |x, y, pixel| match at(x, y) {
+            245 => pixel.map(|value| value + 0.0002),
+            _ => pixel,
+        });
         // Of 0.4 half precision does not tell it.
         if background == [0.0; 3] {
-            is_told_empty(&case, Picture::Radiance(one_pixel));
+            is_told_empty(case, Picture::Radiance(one_pixel));
         } else {
-            let result = searched(&case, Picture::Radiance(one_pixel)).result;
+            let result = searched(case, Picture::Radiance(one_pixel)).result;
             assert!(
                 result.reason.starts_with("nothing was drawn"),
                 "{}",
                 result.reason
             );
         }
-        let noise = edited(&empty, |index, value| {
-            value + 0.0005 * ((index * 7919) % 101) as f32 / 100.0
+        let noise = edited(&empty, |x, y, pixel| {
+            pixel.map(|value| value + 0.0005 * ((at(x, y) * 7919) % 101) as f32 / 100.0)
         });
         if background == [0.0; 3] {
-            is_told_empty(&case, Picture::Radiance(noise));
+            is_told_empty(case, Picture::Radiance(noise));
         }
     }
     // Light far below the tolerance, whose shape is right.
     let case = case("reported/slope");
     let right = film(&case.load_scene().unwrap());
-    let faint = edited(&right, |_, value| 0.0004 * value);
-    is_told_empty(&case, Picture::Radiance(faint));
+    let faint = edited(&right, |_, _, pixel| pixel.map(|value| 0.0004 * value));
+    is_told_empty(case, Picture::Radiance(faint));
     // A single code of an image of 8 bits.
     for bits in ["8-srgb", "8-linear"] {
         let bits: Bits = bits.parse().unwrap();
@@ -105,7 +98,7 @@ fn an_image_of_all_but_nothing_is_told_so_alone() {
             .map(|index| [u8::from(index == 245); 3])
             .collect();
         let film = quantisation.decoded(right.width(), right.height(), &codes);
-        is_told_empty(&case, Picture::Radiance(film));
+        is_told_empty(case, Picture::Radiance(film));
     }
 }
 
@@ -119,7 +112,7 @@ fn opacity_is_something_drawn() {
         [0.0, 0.0, 0.0, opacity]
     });
     let black = Film::with_opacity(right.width(), right.height(), pixels.collect());
-    let result = searched(&case, Picture::Radiance(black)).result;
+    let result = searched(case, Picture::Radiance(black)).result;
     assert_eq!(result.verdict, Verdict::Fail, "{}", result.reason);
     assert!(
         !result.reason.contains("nothing was drawn"),

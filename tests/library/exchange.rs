@@ -1,5 +1,6 @@
 //! Scenes for other renderers: what is written, and what is refused by name.
 
+use crate::common::suite::scene_files;
 use std::collections::BTreeSet;
 use std::path::Path;
 use volref::exchange::{Export, Format, Refusal, export};
@@ -338,18 +339,12 @@ fn check_pbrt(export: &Export) {
 /// way.
 #[test]
 fn the_suite() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/scenes");
     let mut table = String::new();
-    for family in ["fog", "smoke", "procedural"] {
-        let entries = std::fs::read_dir(root.join(family)).unwrap();
-        let paths = entries.map(|entry| entry.unwrap().path());
-        let mut paths: Vec<_> = paths
-            .filter(|path| path.extension().unwrap() == "toml")
-            .collect();
-        paths.sort();
-        for path in paths {
-            let scene = Scene::load(&path).unwrap();
-            let name = path.file_stem().unwrap().to_str().unwrap();
+    let files = scene_files();
+    for family in ["fog/", "smoke/", "procedural/"] {
+        for (name, path) in files.iter().filter(|(name, _)| name.starts_with(family)) {
+            let scene = Scene::load(path).unwrap();
+            let name = &name[family.len()..];
             for format in [Format::Mitsuba, Format::Pbrt] {
                 let outcome = match export(&scene, format, name, None) {
                     Ok(export) => {
@@ -362,7 +357,7 @@ fn the_suite() {
                     }
                     Err(refusal) => refusal.to_string(),
                 };
-                table.push_str(&format!("{family}/{name} {format}: {outcome}\n"));
+                table.push_str(&format!("{family}{name} {format}: {outcome}\n"));
             }
         }
     }

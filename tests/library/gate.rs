@@ -5,13 +5,12 @@
 //! `cargo test --release --test library gate:: -- --ignored --nocapture`.
 
 use crate::common::simulated::{Sampling, Shape, faults, replicates, sampled, scene, silent};
+use crate::common::suite::{film_with, scene_of, suite};
 use rayon::prelude::*;
 use std::path::Path;
 use volref::compare::significance::at_least;
 use volref::compare::stochastic::{FALSE_ALARM, judge_at};
 use volref::film::Film;
-use volref::render::{self, Seed, plans};
-use volref::scene::Scene;
 use volref::suite::{Golden, Suite};
 
 /// Pixels on a side: 64 blocks, of which the edges cut none and the scene's many.
@@ -318,21 +317,12 @@ fn golden(suite: &Suite, name: &str) -> (Film, f64) {
 #[test]
 #[ignore = "minutes: the figures of the guide"]
 fn faults_beside_goldens() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let suite = Suite::open(root).unwrap();
     let before = std::env::var_os("VOLREF_BEFORE");
     let before = before.map(|folder| Suite::open(Path::new(&folder)).unwrap());
     let mut rows: Vec<[String; 2]> = Vec::new();
     for (name, samples) in OF_THE_SUITE {
-        let scene = Scene::load(&root.join(format!("fixtures/scenes/{name}.toml"))).unwrap();
-        let sampling = render::Sampling {
-            samples: Some(samples),
-            seed: Seed::Given(1),
-        };
-        let honest = render::render(&plans(&scene), sampling, &|| {})
-            .unwrap()
-            .film;
-        let (now, level) = golden(&suite, name);
+        let honest = film_with(&scene_of(name), samples, 1);
+        let (now, level) = golden(suite(), name);
         let before = before.as_ref().map(|suite| golden(suite, name));
         let mut tests = vec![
             ("none", honest.clone()),

@@ -16,7 +16,7 @@ fn config() -> ProptestConfig {
 }
 
 fn vector(size: f64) -> impl Strategy<Value = DVec3> {
-    prop::array::uniform3(-size..size).prop_map(DVec3::from_array)
+    common::vector(-size..size)
 }
 
 fn ray() -> impl Strategy<Value = Ray> {

@@ -3,15 +3,14 @@
 //! Each case is rendered once for each seed and number of samples, as four renderings that are then encoded in
 //! every way.
 
-use crate::common::suite::{silent, suite};
+use crate::common::suite::{case_of, film_with, silent, suite};
 use half::f16;
 use std::collections::BTreeMap;
 use volref::compare::Picture;
 use volref::compare::flip::SrgbImage;
 use volref::film::{Bits, Encoding, Film, Origin, Quantisation};
 use volref::judging::{CaseResult, Verdict, declared, validate};
-use volref::render::{Sampling, Seed, plans, render};
-use volref::suite::{Case, Golden, Output, Suite};
+use volref::suite::{Case, Golden, Output};
 
 /// Cases without noise: of these there is one honest image.
 const WITHOUT_NOISE: [&str; 3] = ["figures/figure-1", "figures/figure-3", "figures/figure-5"];
@@ -159,10 +158,10 @@ fn in_every_way(case: &Case, renderings: &[Film]) -> Vec<Honest> {
     all
 }
 
-fn judged(suite: &Suite, case: &Case, image: &Honest) -> CaseResult {
+fn judged(case: &Case, image: &Honest) -> CaseResult {
     let output = Output::Picture(Box::new(image.picture.clone()));
     let bits = image.bits.map(|bits| bits.parse::<Bits>().unwrap());
-    validate(case, &suite.store(), declared(output, bits, case), None).result
+    validate(case, &suite().store(), declared(output, bits, case), None).result
 }
 
 /// Images and alarms by case, format and statement of noise.
@@ -173,9 +172,9 @@ struct Table {
 }
 
 impl Table {
-    fn judge(&mut self, suite: &Suite, case: &Case, what: &str, renderings: &[Film]) {
+    fn judge(&mut self, case: &Case, what: &str, renderings: &[Film]) {
         for image in in_every_way(case, renderings) {
-            let result = judged(suite, case, &image);
+            let result = judged(case, &image);
             let is_alarm = !matches!(result.verdict, Verdict::Pass | Verdict::Inconclusive);
             let row = [case.name.as_str(), image.format, image.noise].map(str::to_owned);
             let [images, alarms] = self.rows.entry(row).or_default();
@@ -192,26 +191,20 @@ impl Table {
         }
     }
 
-    fn judge_sampled(&mut self, suite: &Suite, name: &str, samples: u32, seed: u64) {
-        let case = case(suite, name);
+    fn judge_sampled(&mut self, name: &str, samples: u32, seed: u64) {
+        let case = case_of(name);
         let scene = case.load_scene().unwrap();
-        let plans = plans(&scene);
-        let rendering = |at: u32| {
-            let sampling = Sampling {
-                samples: Some(samples / RENDERINGS),
-                seed: Seed::Given(1000 * seed + u64::from(at)),
-            };
-            render(&plans, sampling, &|| ()).unwrap().film
-        };
+        let rendering =
+            |at: u32| film_with(&scene, samples / RENDERINGS, 1000 * seed + u64::from(at));
         let renderings: Vec<Film> = (0..RENDERINGS).map(rendering).collect();
         let what = format!("{samples} samples, seed {seed}");
-        self.judge(suite, case, &what, &renderings);
+        self.judge(case, &what, &renderings);
     }
 
-    fn judge_without_noise(&mut self, suite: &Suite, name: &str) {
-        let case = case(suite, name);
-        let golden = Golden::read(&suite.store(), case).unwrap().film;
-        self.judge(suite, case, "as it is", &[silent(&golden)]);
+    fn judge_without_noise(&mut self, name: &str) {
+        let case = case_of(name);
+        let golden = Golden::read(&suite().store(), case).unwrap().film;
+        self.judge(case, "as it is", &[silent(&golden)]);
     }
 
     fn images(&self) -> u32 {
@@ -227,17 +220,13 @@ impl Table {
     }
 }
 
-fn case<'s>(suite: &'s Suite, name: &str) -> &'s Case {
-    suite.select(&[name.to_owned()]).unwrap()[0]
-}
-
 /// A sky without noise beside smoke, wild samples that 8 bits cut off, and a figure.
 #[test]
 fn an_honest_image_is_accepted_in_every_format() {
-    let (suite, mut table) = (suite(), Table::default());
-    table.judge_without_noise(&suite, "figures/figure-3");
-    table.judge_sampled(&suite, "procedural/coloured", 16, 1);
-    table.judge_sampled(&suite, "fog/forward", 16, 2);
+    let mut table = Table::default();
+    table.judge_without_noise("figures/figure-3");
+    table.judge_sampled("procedural/coloured", 16, 1);
+    table.judge_sampled("fog/forward", 16, 2);
     assert!(table.alarms.is_empty(), "{:#?}", table.alarms);
     assert!(table.images() >= 50, "{}", table.images());
 }
@@ -245,14 +234,14 @@ fn an_honest_image_is_accepted_in_every_format() {
 #[test]
 #[ignore = "minutes: scripts/nightly.sh runs it"]
 fn five_hundred_honest_images_raise_no_alarm() {
-    let (suite, mut table) = (suite(), Table::default());
+    let mut table = Table::default();
     for name in WITHOUT_NOISE {
-        table.judge_without_noise(&suite, name);
+        table.judge_without_noise(name);
     }
     for name in SAMPLED {
         for samples in [16, 64] {
             for seed in 1..=2 {
-                table.judge_sampled(&suite, name, samples, seed);
+                table.judge_sampled(name, samples, seed);
             }
         }
     }

@@ -1,17 +1,15 @@
 //! Formulas for whole images: scenes that they refuse, and volref's renderings held to them.
 
-use crate::common::suite::suite;
-use volref::compare::Picture;
+use crate::common::suite::{case_of, film_with, golden_of, suite, validated};
 use volref::film::Film;
-use volref::judging::{Verdict, validate};
+use volref::judging::Verdict;
 use volref::known_answers::{CATALOGUE, Footprint};
 use volref::math::Moments;
-use volref::render::{Sampling, Seed, plans, render};
-use volref::suite::{Answer, Case, Golden, Output};
+use volref::suite::{Answer, Case};
 
-fn cases() -> Vec<Case> {
-    let cases = suite().cases().to_vec();
-    cases.into_iter().filter(|c| c.truth.is_some()).collect()
+fn cases() -> Vec<&'static Case> {
+    let cases = suite().cases().iter();
+    cases.filter(|case| case.truth.is_some()).collect()
 }
 
 fn footprint(case: &Case) -> Footprint {
@@ -27,7 +25,9 @@ fn every_formula_has_a_case() {
     assert!(cases.len() >= 12);
     for formula in CATALOGUE {
         assert!(
-            cases.iter().any(|case| case.truth == Some(formula)),
+            cases
+                .iter()
+                .any(|case| case.truth.unwrap().name == formula.name),
             "{}",
             formula.name
         );
@@ -63,12 +63,9 @@ fn many_samples_agree_with_every_formula() {
     let mut wrong = Vec::new();
     for case in cases() {
         let scene = case.load_scene().unwrap();
-        let known = case.truth.unwrap().image(&scene, footprint(&case)).unwrap();
-        let sampling = Sampling {
-            samples: Some(case.sampling.map_or(1, |_| 8192)),
-            seed: Seed::Given(0x6b6e_6f77_6e00_0000),
-        };
-        let film = render(&plans(&scene), sampling, &|| ()).unwrap().film;
+        let known = case.truth.unwrap().image(&scene, footprint(case)).unwrap();
+        let samples = case.sampling.map_or(1, |_| 8192);
+        let film = film_with(&scene, samples, 0x6b6e_6f77_6e00_0000);
         let (width, height) = (film.width(), film.height());
         for channel in 0..3 {
             let mean = |film: &volref::film::Film| {
@@ -124,15 +121,11 @@ fn many_samples_agree_with_every_formula() {
 /// renderers are compared with what is known.
 #[test]
 fn noise_of_a_golden_hides_nothing_where_the_answer_is_known() {
-    let suite = suite();
-    let mut cases = suite.cases().iter();
-    let case = cases
-        .find(|case| case.name == "hard/s5-half-space-0.999")
-        .unwrap();
+    let case = case_of("hard/s5-half-space-0.999");
     let Some(Answer::InTheMean(right)) = case.answer else {
         panic!("the answer of a sampled case");
     };
-    let golden = Golden::read(&suite.store(), case).unwrap().film;
+    let golden = golden_of(&case.name);
     let (width, height) = (golden.width(), golden.height());
     // Mean of all pixels with a standard error of 0.001.
     let deviation = 1e-3 * ((width * height) as f64).sqrt();
@@ -145,8 +138,7 @@ fn noise_of_a_golden_hides_nothing_where_the_answer_is_known() {
         let variance = [(deviation * deviation) as f32; 3];
         let variance = vec![variance; width * height];
         let film = Film::with_noise(width, height, pixels.collect(), variance, 4096);
-        let output = Output::Picture(Box::new(Picture::Radiance(film)));
-        validate(case, &suite.store(), output, None).result
+        validated(case, film).result
     };
     let passed = verdict(1.0);
     assert_eq!(passed.verdict, Verdict::Pass, "{}", passed.reason);

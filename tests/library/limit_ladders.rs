@@ -1,21 +1,15 @@
 //! Images with smaller and smaller steps in the family `limit`: rules of first order pass, conventions
 //! are found and judged, and images that do not converge are told what they do.
 
-use crate::common::suite::film_of as rendered;
+use crate::common::simulated::edited;
+use crate::common::suite::{case_of, film_of as rendered, silent, suite, validated};
 use volref::compare::Picture;
 use volref::conventions::Profile;
 use volref::film::Film;
 use volref::judging::{Judged, Verdict, validate};
 use volref::naming::ConventionSearch;
 use volref::scene::{Conventions, LastStep, Scene};
-use volref::suite::{Case, Output, Suite};
-
-fn cases(filter: &str) -> (Suite, Vec<Case>) {
-    let suite = Suite::bundled().unwrap();
-    let selected = suite.select(&[filter.to_owned()]).unwrap();
-    let cases = selected.into_iter().cloned().collect();
-    (suite, cases)
-}
+use volref::suite::{Case, Output};
 
 /// Images of `scene` under conventions, with its step, half of it and a quarter.
 fn ladder(scene: &Scene, edit: impl Fn(&mut Conventions)) -> Vec<Film> {
@@ -31,11 +25,17 @@ fn ladder(scene: &Scene, edit: impl Fn(&mut Conventions)) -> Vec<Film> {
 }
 
 /// The verdict on `images` of `case`, and what conventions explain if nothing else did.
-fn judged(suite: &Suite, case: &Case, images: &[Film], profile: Option<&Profile>) -> Judged {
+fn judged(case: &Case, images: &[Film], profile: Option<&Profile>) -> Judged {
     let pictures = images.iter().cloned().map(Picture::Radiance).collect();
-    let mut judged = validate(case, &suite.store(), Output::Refined(pictures), profile);
+    let mut judged = validate(case, &suite().store(), Output::Refined(pictures), profile);
     if profile.is_none() {
-        ConventionSearch::default().explain_mismatch(case, &suite.store(), &mut judged, 1e4, false);
+        ConventionSearch::default().explain_mismatch(
+            case,
+            &suite().store(),
+            &mut judged,
+            1e4,
+            false,
+        );
     }
     judged
 }
@@ -45,18 +45,14 @@ fn judged(suite: &Suite, case: &Case, images: &[Film], profile: Option<&Profile>
 #[test]
 fn a_single_image_at_the_step_of_its_scene_is_no_failure() {
     let verdict = |name: &str, first_sample: f64, factor: f32| {
-        let (suite, cases) = cases(&format!("limit/{name}"));
-        let scene = cases[0].load_scene().unwrap();
+        let case = case_of(&format!("limit/{name}"));
+        let scene = case.load_scene().unwrap();
         let image = rendered(&scene.with_volumes(|volume| {
             volume.sample();
             volume.conventions.first_sample = first_sample;
         }));
-        let pixels = image.radiance().iter();
-        let pixels = pixels.map(|pixel| pixel.map(|value| factor * value));
-        let image = Film::new(image.width(), image.height(), pixels.collect());
-        let picture = Box::new(Picture::Radiance(image));
-        let judged = validate(&cases[0], &suite.store(), Output::Picture(picture), None);
-        judged.result.verdict
+        let image = edited(&image, |_, _, pixel| pixel.map(|value| factor * value));
+        validated(case, silent(&image)).result.verdict
     };
     for (name, first_sample) in [
         ("opaque-shell", 0.5),
@@ -85,14 +81,13 @@ fn whole_last_steps_pass() {
         "thin-haze",
     ];
     for name in names {
-        let (suite, cases) = cases(&format!("limit/{name}"));
-        let case = &cases[0];
+        let case = case_of(&format!("limit/{name}"));
         let scene = case.load_scene().unwrap();
         for first_sample in [0.0, 0.5] {
             let images = ladder(&scene, |it| {
                 (it.first_sample, it.last_step) = (first_sample, LastStep::Whole);
             });
-            let result = judged(&suite, case, &images, None).result;
+            let result = judged(case, &images, None).result;
             // Where the step of the scene is too long for such a rule, nothing is decided.
             let passes = [Verdict::Pass, Verdict::Inconclusive].contains(&result.verdict);
             assert!(passes, "{} {first_sample}: {}", case.name, result.reason);
@@ -103,12 +98,12 @@ fn whole_last_steps_pass() {
 /// Samples that are dropped because they are faint: the more there are, the more is lost. The convention is found, and under its profile they pass.
 #[test]
 fn faint_samples_that_are_dropped() {
-    let (suite, cases) = cases("limit/thin-haze");
-    let scene = cases[0].load_scene().unwrap();
+    let case = case_of("limit/thin-haze");
+    let scene = case.load_scene().unwrap();
     let images = ladder(&scene, |it| it.least_opacity = 0.001);
     let plain = validate(
-        &cases[0],
-        &suite.store(),
+        case,
+        &suite().store(),
         Output::Refined(images.iter().cloned().map(Picture::Radiance).collect()),
         None,
     );
@@ -125,7 +120,7 @@ fn faint_samples_that_are_dropped() {
         Some(Picture::Radiance(images[2].clone()))
     );
 
-    let found = judged(&suite, &cases[0], &images, None).result;
+    let found = judged(case, &images, None).result;
     assert_eq!(found.verdict, Verdict::Convention, "{}", found.reason);
     let words = "drops samples of an opacity below 0.001 over a step";
     assert!(
@@ -134,6 +129,6 @@ fn faint_samples_that_are_dropped() {
         found.conventions
     );
     let profile = Profile::parse(&found.profile.unwrap(), "mine.toml").unwrap();
-    let under = judged(&suite, &cases[0], &images, Some(&profile)).result;
+    let under = judged(case, &images, Some(&profile)).result;
     assert_eq!(under.verdict, Verdict::Pass, "{}", under.reason);
 }

@@ -1,6 +1,7 @@
 //! Integrals without samples: against closed forms, against quadrature by another method, and
 //! against what the ray caster's samples converge to.
 
+use crate::common::suite::{cases_of, root, scene_files, suite};
 use glam::DVec3;
 use std::path::{Path, PathBuf};
 use volref::film::Film;
@@ -14,7 +15,7 @@ use volref::scene::{Classified, Model, Scene};
 use volref::suite::Suite;
 
 fn fixtures() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures")
+    root().join("fixtures")
 }
 
 /// An integral through `volume`, one of the hard cases, with this table and more keys.
@@ -150,23 +151,6 @@ fn an_opacity_of_one() {
     assert_eq!(found.light.depth, f64::INFINITY);
 }
 
-/// The scenes of the family, by name.
-fn family() -> Vec<(String, Scene)> {
-    let folder = fixtures().join("scenes/limit");
-    let files = std::fs::read_dir(folder)
-        .unwrap()
-        .map(|file| file.unwrap().path());
-    let mut scenes: Vec<_> = files
-        .map(|path| {
-            let name = path.file_stem().unwrap().to_str().unwrap().to_owned();
-            (name, Scene::load(&path).unwrap())
-        })
-        .collect();
-    scenes.sort_by(|a, b| a.0.cmp(&b.0));
-    assert!(scenes.len() >= 14);
-    scenes
-}
-
 fn classified(scene: &mut Scene) -> &mut Classified {
     match &mut scene.panels[0].model {
         Model::Classified(scene) => scene,
@@ -178,7 +162,9 @@ fn classified(scene: &mut Scene) -> &mut Classified {
 /// is ever opaque.
 #[test]
 fn tables_of_the_family_fit_256_entries() {
-    for (name, mut scene) in family() {
+    let files = scene_files().into_iter();
+    for (name, path) in files.filter(|(name, _)| name.starts_with("limit/")) {
+        let mut scene = Scene::load(&path).unwrap();
         let Appearance::Points(points) = &classified(&mut scene).transfer_function.appearance
         else {
             panic!("{name}: no table of points");
@@ -207,12 +193,11 @@ fn rendered(scene: &Scene) -> (Film, Option<f64>) {
 /// The goldens of the family state how well they are known.
 #[test]
 fn goldens_of_the_family_are_known_to_a_millionth() {
-    let suite = crate::common::suite::suite();
-    let cases = suite.select(&["limit".to_owned()]).unwrap();
+    let cases = cases_of("limit");
     assert!(cases.len() >= 14);
     for case in cases {
         assert_eq!(case.class(), "limit", "{}", case.name);
-        let path = suite.golden_folder().join(format!("{}.toml", case.name));
+        let path = suite().golden_folder().join(format!("{}.toml", case.name));
         let text = std::fs::read_to_string(path).unwrap();
         let record: toml::Table = text.parse().unwrap();
         let error = record["error_estimate"].as_float().unwrap();

@@ -4,19 +4,16 @@
 //! at thousands of places of a ray, with a bound on what lies between two of them. The sampled ones are those of
 //! `src/reference`, to the bit (`reference.rs`).
 
-use crate::common::suite::film_of;
+use crate::common::suite::{cases_of, film_of, root, searched};
 use crate::needs::tries;
 use crate::ray_caster::scenes::{PHONG, hash, plain, sampled};
 use glam::{DMat3, DVec3};
 use std::collections::BTreeSet;
-use std::path::Path;
 use std::sync::Arc;
-use volref::compare::Picture;
 use volref::film::Film;
 use volref::geometry::{Camera, Direction, Ray, Span, Transform};
-use volref::judging::{Verdict, validate};
+use volref::judging::Verdict;
 use volref::math::{exp, ln, pow};
-use volref::naming::{Predictions, Search, diagnosis};
 use volref::optics::{Appearance, TransferPoint, TransferPoints};
 use volref::reference;
 use volref::render::classified::modes::ExactField;
@@ -25,7 +22,6 @@ use volref::scene::{
     Classified, Clip, Conventions, Isosurface, Isosurfaces, Kept, LastStep, Mode, Panel, Projected,
     Projection, Scene, Window,
 };
-use volref::suite::Output;
 use volref::variations::mistakes;
 use volref::volume::{Cell, Centring, Grid, Lattice, NodeLine};
 
@@ -647,8 +643,7 @@ fn modes_follow_their_conventions_alone() {
             "[classified]\n{mode}\nvolume.file = 'fixtures/volumes/hard/hill.nrrd'\n\
              [classified.conventions]\n{convention}\n"
         );
-        let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-        let scene = Scene::parse(&text, &root.join("scene.toml"))?;
+        let scene = Scene::parse(&text, &root().join("scene.toml"))?;
         Ok::<_, Box<volref::scene::SceneError>>(scene.panels[0].classified().unwrap().conventions)
     };
     let isosurface = "mode = 'isosurface'\nisosurface = [{ value = 0.5, colour = 1 }]";
@@ -682,11 +677,10 @@ fn modes_follow_their_conventions_alone() {
 /// that mistake, or one that makes the same image.
 #[test]
 fn mistakes_of_the_family_are_named() {
-    let suite = crate::common::suite::suite();
     let mut unnamed = Vec::new();
     let mut named = 0;
     let mut tried = BTreeSet::new();
-    for case in suite.select(&["scenes".to_owned()]).unwrap() {
+    for case in cases_of("scenes") {
         let scene = case.load_scene().unwrap();
         if scene.panels[0].classified().unwrap().mode == Mode::Composited {
             continue;
@@ -697,22 +691,12 @@ fn mistakes_of_the_family_are_named() {
             }
             let mistake = mistakes::named(name).unwrap();
             let wrong = mistake.in_scene(&scene).unwrap();
-            let film = film_of(&wrong);
-            let output = Output::Picture(Box::new(Picture::Radiance(film)));
-            let mut judged = vec![validate(case, &suite.store(), output, None)];
-            let verdict = judged[0].result.verdict;
-            assert_eq!(verdict, Verdict::Fail, "{}: {name}", case.name);
-            let search = Search {
-                budget: None,
-                predictions: &Predictions::default(),
-                interrupted: &|| false,
-                progress: &|_| {},
-            };
-            diagnosis(&[case], None, &mut judged, &search);
-            let said = &judged[0].result.looks_like;
+            let result = searched(case, film_of(&wrong));
+            assert_eq!(result.verdict, Verdict::Fail, "{}: {name}", case.name);
+            let said = &result.looks_like;
             if said.contains(name) {
                 named += 1;
-            } else if judged[0].result.reason.contains("nothing was drawn") {
+            } else if result.reason.contains("nothing was drawn") {
                 // Turned around, the two planes leave nothing between them.
             } else {
                 unnamed.push(format!("{}: {name}: {said:?}", case.name));

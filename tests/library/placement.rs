@@ -4,7 +4,7 @@
 //! between its faces by Cramer's rule, distances and directions are of the world from the start.
 //! Its field is linear, so that it has a closed form between and at the nodes.
 
-use crate::common::suite::film_of as rendered;
+use crate::common::suite::{self, film_of as rendered};
 use glam::{DMat3, DVec3};
 use std::fmt::Write as _;
 use std::path::Path;
@@ -608,7 +608,6 @@ fn mistakes_of_placement() {
 /// Images of the suite, each by the map that its manifest states in words.
 #[test]
 fn goldens_of_placed_volumes() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let turn =
         |axis: DVec3, degrees: f64| DMat3::from_axis_angle(axis.normalize(), degrees.to_radians());
     let stretched = turn(DVec3::Z, 35.0) * DMat3::from_diagonal(DVec3::new(1.5, 0.5, 0.9));
@@ -643,7 +642,8 @@ fn goldens_of_placed_volumes() {
             None,
         ),
     ] {
-        let scene = Scene::load(&root.join(format!("fixtures/scenes/scenes/{name}.toml"))).unwrap();
+        let name = format!("scenes/{name}");
+        let scene = suite::scene_of(&name);
         let scene = volume(&scene);
         let nodes = scene.grid.lattice().nodes();
         let last = DVec3::from_array(nodes.map(|nodes| (nodes - 1) as f64));
@@ -666,8 +666,7 @@ fn goldens_of_placed_volumes() {
             let function = &scene.transfer_function;
             (function.colour(value), function.reference_opacity(value))
         };
-        let file = root.join(format!("golden/scenes/{name}.exr"));
-        let film = Film::from_exr(&std::fs::read(file).unwrap()).unwrap();
+        let film = suite::golden_of(&name);
         let (worst, seen) = farthest(&film, scene, &box_, &field, &look, 0.5 * box_.voxel);
         assert!(
             worst < 1e-5 && seen > 1500,

@@ -1,14 +1,14 @@
 //! Images of 8 bits: of right ones none is rejected, whatever the case, and faults beyond the rounding are.
 
-use crate::common::suite::film_with;
-use crate::common::suite::{silent, suite};
+use crate::common::simulated::edited;
+use crate::common::suite::{case_of, film_with, silent, suite};
 use crate::needs::tries;
 use volref::compare::Picture;
 use volref::compare::flip::SrgbImage;
 use volref::film::{Bits, Encoding, Film, Origin, Quantisation};
 use volref::judging::{CaseResult, Verdict, declared, validate};
 use volref::scene::{Length, Panel, Scene};
-use volref::suite::{Case, Golden, Output, Suite};
+use volref::suite::{Case, Golden, Output};
 
 /// The roundings of 8 bits that renderers have, at the exposure of a case.
 fn roundings(exposure: f64) -> [Quantisation; 2] {
@@ -20,16 +20,7 @@ fn roundings(exposure: f64) -> [Quantisation; 2] {
     })
 }
 
-fn scaled(film: &Film, factor: f64) -> Film {
-    let scale = |value: &f32| (factor * f64::from(*value)) as f32;
-    let pixels = film
-        .radiance()
-        .iter()
-        .map(|pixel| [0, 1, 2].map(|c| scale(&pixel[c])));
-    Film::new(film.width(), film.height(), pixels.collect())
-}
-
-fn judged(suite: &Suite, case: &Case, films: Vec<Film>, bits: Option<&str>) -> CaseResult {
+fn judged(case: &Case, films: Vec<Film>, bits: Option<&str>) -> CaseResult {
     let mut pictures: Vec<Picture> = films.into_iter().map(Picture::Radiance).collect();
     let output = match pictures.len() {
         1 => Output::Picture(Box::new(pictures.remove(0))),
@@ -37,11 +28,11 @@ fn judged(suite: &Suite, case: &Case, films: Vec<Film>, bits: Option<&str>) -> C
     };
     let bits = bits.map(|bits| bits.parse::<Bits>().unwrap());
     let output = declared(output, bits, case);
-    validate(case, &suite.store(), output, None).result
+    validate(case, &suite().store(), output, None).result
 }
 
-fn golden(suite: &Suite, case: &Case) -> Film {
-    Golden::read(&suite.store(), case).unwrap().film
+fn golden(case: &Case) -> Film {
+    Golden::read(&suite().store(), case).unwrap().film
 }
 
 /// The picture of a case with `samples` per pixel, and seeds of its own.
@@ -67,11 +58,13 @@ fn is_accepted(result: &CaseResult) -> bool {
 /// Without noise: the golden itself, declared and recognised.
 #[test]
 fn no_rounded_image_is_rejected() {
-    let suite = suite();
     let (mut rejected, mut passed, mut said) = (Vec::new(), 0, 0);
-    let without_noise = suite.cases().iter().filter(|case| case.sampling.is_none());
+    let without_noise = suite()
+        .cases()
+        .iter()
+        .filter(|case| case.sampling.is_none());
     for case in without_noise.step_by(tries(3, 1)) {
-        let golden = golden(&suite, case);
+        let golden = golden(case);
         for rounding in roundings(case.exposure) {
             let film = silent(&rounding.rounded(&golden));
             let bits = format!("8-{}", rounding.encoding.name());
@@ -80,7 +73,7 @@ fn no_rounded_image_is_rejected() {
                 if case.is_limit() && bits.is_some() {
                     continue;
                 }
-                let result = judged(&suite, case, vec![film.clone()], bits);
+                let result = judged(case, vec![film.clone()], bits);
                 // An image that is not recognised, for want of colours, is not allowed for.
                 let is_known = !result.notes.is_empty();
                 said += usize::from(is_known && bits.is_none());
@@ -101,10 +94,9 @@ fn no_rounded_image_is_rejected() {
 /// Ladders of steps, by rules of first and of second order.
 #[test]
 fn no_rounded_ladder_is_rejected() {
-    let suite = suite();
     let mut rejected = Vec::new();
     let mut still = 0;
-    let cases = suite.cases().iter().filter(|case| case.is_limit());
+    let cases = suite().cases().iter().filter(|case| case.is_limit());
     // A rule of the second order, and one of the first, by turns.
     for (case, first) in cases
         .zip([0.5, 1.0].into_iter().cycle())
@@ -113,14 +105,14 @@ fn no_rounded_ladder_is_rejected() {
         let scene = case.load_scene().unwrap();
         let films =
             [1.0, 0.5, 0.25].map(|factor| rendered(&sampled_scene(&scene, factor, first), 1));
-        let exact = judged(&suite, case, films.to_vec(), None);
+        let exact = judged(case, films.to_vec(), None);
         // A table of one step is not what every case converges from.
         if !is_accepted(&exact) {
             continue;
         }
         for rounding in roundings(case.exposure) {
             let films = films.each_ref().map(|film| silent(&rounding.rounded(film)));
-            let result = judged(&suite, case, films.to_vec(), None);
+            let result = judged(case, films.to_vec(), None);
             let has_order = result.metrics.contains_key("observed_order");
             still += usize::from(!has_order);
             if !is_accepted(&result) {
@@ -139,9 +131,7 @@ fn no_rounded_ladder_is_rejected() {
 /// exposure they are told so.
 #[test]
 fn png_images_have_a_limit() {
-    let suite = suite();
-    let cases = suite.select(&["limit/plume".to_owned()]).unwrap();
-    let case = cases[0];
+    let case = case_of("limit/plume");
     let scene = case.load_scene().unwrap();
     let films = [1.0, 0.5, 0.25].map(|factor| rendered(&sampled_scene(&scene, factor, 0.5), 1));
     let png = |film: &Film, exposure: f64| {
@@ -153,7 +143,7 @@ fn png_images_have_a_limit() {
             [one] => Output::Picture(Box::new(one.clone())),
             _ => Output::Refined(pictures),
         };
-        validate(case, &suite.store(), output, None).result
+        validate(case, &suite().store(), output, None).result
     };
     let ladder = |exposure: f64| {
         films
@@ -188,7 +178,6 @@ fn png_images_have_a_limit() {
 /// Beyond the rounding, faults are seen: another gain, a displaced image, shading left out.
 #[test]
 fn faults_beyond_the_rounding_are_rejected() {
-    let suite = suite();
     let mut missed = Vec::new();
     let names = [
         "figures/figure-1",
@@ -198,10 +187,9 @@ fn faults_beyond_the_rounding_are_rejected() {
         "limit/plume",
     ];
     for name in names {
-        let cases = suite.select(&[name.to_owned()]).unwrap();
-        let case = cases[0];
+        let case = case_of(name);
         let scene = case.load_scene().unwrap();
-        let golden = golden(&suite, case);
+        let golden = golden(case);
         let right = if case.sampling.is_some() {
             rendered(&scene, 4)
         } else {
@@ -210,7 +198,8 @@ fn faults_beyond_the_rounding_are_rejected() {
         let unshaded = scene.with_volumes(|volume| volume.phong = None);
         let mut volumes = scene.panels.iter().filter_map(Panel::classified);
         let is_shaded = volumes.any(|volume| volume.phong.is_some());
-        let mut faults = vec![("gain", scaled(&right, 0.9)), ("shift", shifted(&right))];
+        let darker = edited(&right, |_, _, pixel| pixel.map(|value| 0.9 * value));
+        let mut faults = vec![("gain", darker), ("shift", shifted(&right))];
         if is_shaded {
             faults.push(("unshaded", rendered(&unshaded, 1)));
         }
@@ -218,7 +207,7 @@ fn faults_beyond_the_rounding_are_rejected() {
             for rounding in roundings(case.exposure) {
                 let test = silent(&rounding.rounded(&film));
                 let bits = format!("8-{}", rounding.encoding.name());
-                let result = judged(&suite, case, vec![test], Some(&bits));
+                let result = judged(case, vec![test], Some(&bits));
                 if result.verdict != Verdict::Fail {
                     missed.push(format!("{name} {fault} {rounding}: {}", result.reason));
                 }
@@ -239,13 +228,11 @@ fn shifted(film: &Film) -> Film {
 /// A renderer that casts 255 x to a byte, or writes codes as numbers, is told so, and no other.
 #[test]
 fn codes_that_are_cut_or_not_divided_are_told() {
-    let suite = suite();
-    let case = suite.select(&["figures/figure-4".to_owned()]).unwrap()[0];
-    let golden = golden(&suite, case);
+    let case = case_of("figures/figure-4");
+    let golden = golden(case);
     let told = |code: &dyn Fn(f32) -> f32| {
-        let pixels = golden.radiance().iter().map(|pixel| pixel.map(code));
-        let film = Film::new(golden.width(), golden.height(), pixels.collect());
-        let result = judged(&suite, case, vec![film], None);
+        let film = edited(&golden, |_, _, pixel| pixel.map(code));
+        let result = judged(case, vec![film], None);
         assert_eq!(result.verdict, Verdict::Fail, "{}", result.reason);
         result.reason
     };

@@ -6,10 +6,10 @@
 //! by the stochastic gate: pixel by pixel they differ by noise, and by no more.
 
 use crate::any_scene::scenes;
+use crate::common::suite::{root, scene_files, scene_of};
 use crate::needs::tries;
 use rayon::prelude::*;
 use std::collections::BTreeSet;
-use std::path::{Path, PathBuf};
 use volref::compare::stochastic;
 use volref::conventions as conventional;
 use volref::faulty_tracer::FaultyTracer;
@@ -49,30 +49,6 @@ const HELD_BY_KNOWN_ANSWERS: [(&str, &str); 6] = [
         "a majorant of 1000, where one channel has 0.001",
     ),
 ];
-
-/// Scene files of the suite with their names.
-fn suite() -> Vec<(String, PathBuf)> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/scenes");
-    let mut found = Vec::new();
-    for family in std::fs::read_dir(&root).unwrap() {
-        for file in std::fs::read_dir(family.unwrap().path()).unwrap() {
-            let path = file.unwrap().path();
-            if path
-                .extension()
-                .is_some_and(|extension| extension == "toml")
-            {
-                let name = path.strip_prefix(&root).unwrap().with_extension("");
-                found.push((name.to_str().unwrap().replace('\\', "/"), path));
-            }
-        }
-    }
-    found.sort();
-    assert!(
-        found.len() > 130,
-        "a walk that finds nothing finds no fault either"
-    );
-    found
-}
 
 /// `scene` with panels of `side` × `side` pixels at most.
 fn small(mut scene: Scene, side: usize) -> Scene {
@@ -126,7 +102,7 @@ fn is_sampled(model: &Model) -> bool {
 #[test]
 fn classified_scenes_of_the_suite_agree_to_the_bit() {
     let mut compared = 0;
-    for (name, path) in suite() {
+    for (name, path) in scene_files() {
         let scene = small(Scene::load(&path).unwrap(), 40);
         if all(&scene, is_sampled) {
             let (fast, plain) = (
@@ -226,7 +202,7 @@ fn fault(right: &Film, test: &Film, cases: usize) -> Option<String> {
 /// The radiative scenes of the suite, small, but for those held by known answers.
 fn radiative() -> Vec<(String, Scene)> {
     let mut scenes = Vec::new();
-    for (name, path) in suite() {
+    for (name, path) in scene_files() {
         if HELD_BY_KNOWN_ANSWERS.iter().any(|(held, _)| *held == name) {
             continue;
         }
@@ -288,8 +264,7 @@ fn room(light: &str, medium: &str) -> Scene {
          rectangle = {{ corner = [-5, 0, 0], edge_u = [10, 0, 0], edge_v = [0, 0, 10] }}\n\
          [[radiative.surface]]\n{light}\n[[radiative.medium]]\n{medium}\n"
     );
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    Scene::parse(&text, &root.join("room.toml")).unwrap()
+    Scene::parse(&text, &root().join("room.toml")).unwrap()
 }
 
 /// Whatever the light and the medium, the fast renderer finds the light that the plain one finds: the
@@ -365,8 +340,7 @@ fn assert_agreement_in_rooms(lights: &[&str], media: &[&str]) {
 #[test]
 fn the_double_without_a_fault_is_the_reference_to_the_bit() {
     for name in WITH_MISTAKES {
-        let path = format!("{}/fixtures/scenes/{name}.toml", env!("CARGO_MANIFEST_DIR"));
-        let mut scene = small(Scene::load(Path::new(&path)).unwrap(), 12);
+        let mut scene = small(scene_of(name), 12);
         let panel = scene.panels.remove(0);
         let Model::Radiative(radiative) = &panel.model else {
             panic!("{name} is radiative");

@@ -1,18 +1,19 @@
 //! Public reports of wrong volume images: the table of `src/guide/reported.md`, held row by row. The
 //! fault of a row is made in its case, and what is said of the image is what the row says.
 
-use std::path::Path;
+use crate::common::simulated::edited;
+use crate::common::suite::{
+    case_of, cases_of, explained, film_with, root, silent, suite, uninterrupted, validated,
+};
 use std::time::Duration;
 
 use rayon::prelude::*;
 use toml::{Table, Value};
-use volref::compare::Picture;
 use volref::film::Film;
-use volref::judging::{CaseResult, Verdict, validate};
-use volref::naming::{ConventionSearch, Predictions, Search, diagnosis};
-use volref::render::{Sampling, Seed, plans, render};
+use volref::judging::{CaseResult, Verdict};
+use volref::naming::{ConventionSearch, Predictions};
 use volref::scene::Scene;
-use volref::suite::{Case, Output, Suite};
+use volref::suite::Case;
 use volref::variations::mistakes;
 
 const PAGE: &str = "src/guide/reported.md";
@@ -42,9 +43,7 @@ const EDITS: [(&str, Edit); 3] = [
 ];
 
 fn by_pixel(film: &Film, edit: impl Fn(usize, [f32; 3]) -> [f32; 3]) -> Film {
-    let pixels = film.radiance().iter().enumerate();
-    let pixels: Vec<_> = pixels.map(|(at, &of)| edit(at, of)).collect();
-    Film::new(film.width(), film.height(), pixels)
+    edited(&silent(film), |x, y, of| edit(x + film.width() * y, of))
 }
 
 /// With so many bits behind the point of its mantissa, the others cut off.
@@ -73,8 +72,7 @@ fn quoted(text: &str) -> Vec<String> {
 }
 
 fn reports() -> Vec<Report> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let page = std::fs::read_to_string(root.join(PAGE)).unwrap();
+    let page = std::fs::read_to_string(root().join(PAGE)).unwrap();
     let rows = page.lines().filter(|line| line.starts_with("| ["));
     let report = |line: &str| {
         let cells: Vec<&str> = line.trim_matches('|').split(" | ").map(str::trim).collect();
@@ -133,11 +131,7 @@ fn faulty(report: &Report, case: &Case) -> Film {
             .in_scene(&scene)
             .expect("the case has occasion for it");
     }
-    let sampling = Sampling {
-        samples: case.sampling.map(|_| SAMPLES),
-        seed: Seed::Given(0x7265_706f_7274),
-    };
-    let mut film = render(&plans(&scene), sampling, &|| ()).unwrap().film;
+    let mut film = film_with(&scene, SAMPLES, 0x7265_706f_7274);
     for mistake in mistakes.iter().filter(|mistake| mistake.is_of_the_image()) {
         film = mistake
             .in_image(&film)
@@ -153,19 +147,12 @@ fn faulty(report: &Report, case: &Case) -> Film {
 }
 
 /// The answer to an image of `case`.
-fn answer(case: &Case, suite: &Suite, film: Film, predictions: &Predictions) -> CaseResult {
-    let output = Output::Picture(Box::new(Picture::Radiance(film)));
-    let mut judged = vec![validate(case, &suite.store(), output, None)];
+fn answer(case: &Case, film: Film, predictions: &Predictions) -> CaseResult {
+    let mut judged = validated(case, film);
     let search = ConventionSearch::default();
-    search.explain_mismatch(case, &suite.store(), &mut judged[0], SECONDS, false);
-    let search = Search {
-        budget: Some(Duration::from_secs_f64(SECONDS)),
-        predictions,
-        interrupted: &|| false,
-        progress: &|_| (),
-    };
-    diagnosis(&[case], None, &mut judged, &search);
-    judged.swap_remove(0).result
+    search.explain_mismatch(case, &suite().store(), &mut judged, SECONDS, false);
+    let budget = Some(Duration::from_secs_f64(SECONDS));
+    explained(case, judged, &uninterrupted(budget, predictions))
 }
 
 /// True if the answer is the one of the row.
@@ -193,7 +180,6 @@ fn is_told(report: &Report, result: &CaseResult) -> bool {
 
 #[test]
 fn every_report_is_told() {
-    let suite = crate::common::suite::suite();
     let predictions = Predictions::default();
     let reports = reports();
     let wanted = std::env::var("VOLREF_REPORT").unwrap_or_default();
@@ -202,9 +188,9 @@ fn every_report_is_told() {
         .filter(|report| report.words.contains(&wanted))
         .partition(|report| report.told.starts_with("not yet"));
     let judge = |report: &&Report| {
-        let case = suite.select(std::slice::from_ref(&report.case)).unwrap()[0];
+        let case = case_of(&report.case);
         let begun = std::time::Instant::now();
-        let result = answer(case, &suite, faulty(report, case), &predictions);
+        let result = answer(case, faulty(report, case), &predictions);
         let is_told = is_told(report, &result);
         let Report {
             words,
@@ -232,9 +218,8 @@ fn every_report_is_told() {
 /// Links stand in the manifests of the cases, too.
 #[test]
 fn manifests_of_reported_cases_have_the_links() {
-    let suite = crate::common::suite::suite();
     let reports = reports();
-    for case in suite.select(&["reported".to_owned()]).unwrap() {
+    for case in cases_of("reported") {
         let of_case: Vec<_> = reports.iter().filter(|it| it.case == case.name).collect();
         assert!(!of_case.is_empty(), "{} has no row", case.name);
         for report in of_case {

@@ -1,17 +1,10 @@
 //! The family `sampled`: what each of its cases promises, and goldens against closed forms.
 
-use crate::common::suite::{golden_of, root};
+use crate::common::suite::{cases_of, golden_of, root};
 use glam::{DVec3, dvec3};
 use std::path::{Path, PathBuf};
 use volref::exchange::{Format, export};
 use volref::math::{pow, tan};
-use volref::suite::Case;
-
-fn family() -> Vec<Case> {
-    let suite = crate::common::suite::suite();
-    let cases = suite.select(&["sampled".to_owned()]).unwrap();
-    cases.into_iter().cloned().collect()
-}
 
 pub fn table_of(scene: &Path) -> toml::Table {
     std::fs::read_to_string(scene).unwrap().parse().unwrap()
@@ -59,7 +52,7 @@ fn classified(points: &[Point], value: f64) -> (DVec3, f64) {
 /// 8 bits, and its table exact in 256 entries of 8 bits.
 #[test]
 fn every_case_can_be_met() {
-    let cases = family();
+    let cases = cases_of("sampled");
     assert!(cases.len() >= 12);
     let mut formulas = 0;
     for case in &cases {

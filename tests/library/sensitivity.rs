@@ -1,19 +1,18 @@
 //! Derivatives of images by the numbers of their scenes: against closed forms, quadrature and laws.
 
 use crate::common::quadrature::integral;
-use crate::common::suite::film_of as image;
+use crate::common::suite::{film_of as image, film_with, scene_of};
 use glam::DVec3;
 use std::path::Path;
 use volref::film::Film;
 use volref::geometry::Transform;
 use volref::math::{exp, ln};
-use volref::render::{Detail, Sampling, plans, render};
+use volref::render::Detail;
 use volref::scene::{Model, Scene};
 use volref::sensitivity::{Derivative, Differences, derivative, number, numbers};
 
 fn scene(name: &str, [width, height]: [usize; 2]) -> Scene {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/scenes");
-    let mut scene = Scene::load(&root.join(format!("{name}.toml"))).unwrap();
+    let mut scene = scene_of(name);
     for panel in &mut scene.panels {
         (panel.width, panel.height) = (width, height);
     }
@@ -253,12 +252,7 @@ fn numbers_have_names_and_change_something() {
         for number in &found {
             let sides = [-number.step, number.step].map(|step| number.changed(&scene, step));
             let changed = sides.iter().flatten().next().expect("a side");
-            let image = |scene: &Scene| {
-                let film = render(&plans(scene), Sampling::of_samples(64), &|| ())
-                    .unwrap()
-                    .film;
-                film.radiance().to_vec()
-            };
+            let image = |scene: &Scene| film_with(scene, 64, 0).radiance().to_vec();
             assert_ne!(image(changed), image(&scene), "{name}: {number:?}");
         }
     }

@@ -2,17 +2,15 @@
 //! must not.
 
 use crate::common::simulated::{Sampling, Shape, edited, sampled, scene, silent};
-use crate::common::suite::{case_of, film_with, searched};
+use crate::common::suite::{case_of, film_with, searched, validated};
 use volref::compare::stochastic::{judge_at, judge_with};
 use volref::compare::{
     Conditions, Gate, Picture, Sensitivity, judge, measured as measured_difference,
 };
 use volref::film::Film;
-use volref::judging::validate;
 use volref::math;
 use volref::scene::{Model, Scene};
 use volref::sensitivity::numbers_of_place;
-use volref::suite::Output;
 
 /// A sentence, and what is said of two images.
 struct Row {
@@ -278,16 +276,14 @@ fn reasons_by_numbers() {
 /// its pixels by column and row.
 fn of_scene(case: &str, edit: impl Fn(&mut Scene), map: impl Fn(usize, usize) -> f32) -> String {
     let film = rendered(case, edit);
-    searched(&case_of(case), scaled(&film, map))
+    searched(case_of(case), scaled(&film, map))
         .difference
         .join("; ")
 }
 
 /// An image of `case` with an edit of its scene.
 fn rendered(case: &str, edit: impl Fn(&mut Scene)) -> Film {
-    let suite = crate::common::suite::suite();
-    let case = suite.select(&[case.to_owned()]).unwrap()[0];
-    let mut scene = case.load_scene().unwrap();
+    let mut scene = case_of(case).load_scene().unwrap();
     edit(&mut scene);
     film_with(&scene, 64, 0x7365_6e74)
 }
@@ -295,11 +291,10 @@ fn rendered(case: &str, edit: impl Fn(&mut Scene)) -> Film {
 /// An image that shows the background alone is told so, and nothing is measured of it.
 #[test]
 fn nothing_is_measured_of_what_is_not_drawn() {
-    let suite = crate::common::suite::suite();
     for (case, grey) in [("scenes/opacity-over-grey", 0.1), ("smoke/cornell", 0.0)] {
         let right = rendered(case, |_| ());
         let nothing = silent(&edited(&right, |_, _, _| [grey; 3]));
-        let result = searched(&case_of(case), nothing.clone());
+        let result = searched(case_of(case), nothing.clone());
         let sentence = "nothing was drawn: every pixel is the background";
         assert!(result.reason.starts_with(sentence), "{}", result.reason);
         assert!(result.changes.is_empty() && result.difference.is_empty());
@@ -307,11 +302,7 @@ fn nothing_is_measured_of_what_is_not_drawn() {
         let one_pixel = edited(&nothing, |x, y, pixel| {
             pixel.map(|value| if [x, y] == [9, 9] { 2.0 } else { value })
         });
-        let output = Output::Picture(Box::new(Picture::Radiance(one_pixel)));
-        let of_case = suite.select(&[case.to_owned()]).unwrap()[0];
-        let reason = validate(of_case, &suite.store(), output, None)
-            .result
-            .reason;
+        let reason = validated(case_of(case), one_pixel).result.reason;
         assert!(!reason.contains("nothing was drawn"), "{reason}");
     }
 }
@@ -324,7 +315,7 @@ fn axes_of_turns() {
         let mut turn = turn.filter(|number| number.name() == "turn.z");
         *scene = turn.next().unwrap().changed(scene, 2.0).unwrap();
     });
-    let said = searched(&case_of("reported/head"), turned)
+    let said = searched(case_of("reported/head"), turned)
         .difference
         .join("; ");
     assert!(

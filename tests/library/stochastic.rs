@@ -1,5 +1,6 @@
 //! The stochastic gate against the pairs it must reject and the noise it must accept.
 
+use crate::common::simulated;
 use crate::common::suite::silent;
 use volref::compare::stochastic::{FALSE_ALARM, judge, judge_at};
 use volref::compare::{
@@ -70,17 +71,7 @@ fn sampled(seed: u64, samples: u32, shape: SampleShape, truth: impl Fn(usize) ->
 
 /// The film with another value in every pixel, and its own variances.
 fn edited(film: &Film, edit: impl Fn(usize, [f32; 3]) -> [f32; 3]) -> Film {
-    let noise = film.noise().unwrap();
-    let radiance = film.radiance().iter().enumerate();
-    let radiance = radiance.map(|(i, &pixel)| edit(i, pixel)).collect();
-    let variance = noise.variance().to_vec();
-    Film::with_noise(
-        film.width(),
-        film.height(),
-        radiance,
-        variance,
-        noise.samples(),
-    )
+    simulated::edited(film, |x, y, pixel| edit(x + film.width() * y, pixel))
 }
 
 /// Codes of 8 bits, with the noise that is stated.

@@ -1,11 +1,11 @@
 //! Monte Carlo images that state no noise, of scenes that volref integrates without any: their noise is estimated, and
 //! no fault passes for noise.
 
-use volref::compare::Picture;
+use crate::common::simulated::{Bits, edited};
+use crate::common::suite::{case_of, golden_of, validated};
 use volref::film::Film;
-use volref::judging::{CaseResult, Verdict, validate};
+use volref::judging::{CaseResult, Verdict};
 use volref::math;
-use volref::suite::{Case, Output, Suite};
 
 const NAMES: [&str; 4] = [
     "known-answers/airlight",
@@ -15,51 +15,33 @@ const NAMES: [&str; 4] = [
 ];
 
 /// The result of `edit` of the golden of each case.
-fn results(edit: impl Fn(&Film) -> Film) -> Vec<(String, CaseResult)> {
-    let suite = Suite::bundled().unwrap();
-    let result = |name: &str| {
-        let cases = suite.select(&[name.to_owned()]).unwrap();
-        let case: &Case = cases[0];
-        let golden = std::fs::read(suite.golden_folder().join(format!("{name}.exr"))).unwrap();
-        let golden = Film::from_exr(&golden).unwrap();
-        let picture = Picture::Radiance(edit(&golden));
-        let judged = validate(
-            case,
-            &suite.store(),
-            Output::Picture(Box::new(picture)),
-            None,
-        );
-        (name.to_owned(), judged.result)
-    };
-    NAMES.map(result).into()
+fn results(edit: impl Fn(&Film) -> Film) -> [(&'static str, CaseResult); 4] {
+    NAMES.map(|name| {
+        let judged = validated(case_of(name), edit(&golden_of(name)));
+        (name, judged.result)
+    })
 }
 
 /// `golden`, each pixel times `value` of its column and row.
-fn times(golden: &Film, mut value: impl FnMut([usize; 2]) -> f64) -> Film {
-    let width = golden.width();
-    let pixels = golden.radiance().iter().enumerate();
-    let pixels = pixels.map(|(index, pixel)| {
-        let factor = value([index % width, index / width]) as f32;
-        pixel.map(|channel| channel * factor)
-    });
-    Film::new(width, golden.height(), pixels.collect())
+fn times(golden: &Film, value: impl Fn([usize; 2]) -> f64) -> Film {
+    edited(golden, |x, y, pixel| {
+        pixel.map(|channel| channel * value([x, y]) as f32)
+    })
 }
 
 /// `golden` as the mean of `samples`, of which each is the right one times a number of an exponential distribution:
 /// light that arrives along free paths.
 fn sampled(golden: &Film, samples: u32, factor: f64) -> Film {
-    let mut state = 7_u64;
-    let mut uniform = || {
-        // Knuth's generator of 64 bits, of which the upper half is good enough.
-        state = state
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
-        ((state >> 32) as f64 + 0.5) / f64::from(u32::MAX)
-    };
-    times(golden, |_| {
-        let sum: f64 = (0..samples).map(|_| -math::ln(uniform())).sum();
-        factor * sum / f64::from(samples)
-    })
+    let mut bits = Bits(7);
+    let means = golden.radiance().iter().map(|pixel| {
+        let uniform = || ((bits.word() >> 32) as f64 + 0.5) / f64::from(u32::MAX);
+        let sum: f64 = std::iter::repeat_with(uniform)
+            .take(samples as usize)
+            .map(|u| -math::ln(u))
+            .sum();
+        pixel.map(|channel| channel * (factor * sum / f64::from(samples)) as f32)
+    });
+    Film::new(golden.width(), golden.height(), means.collect())
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! The test vectors, `vectors/*.json`: volref's own functions against numbers that
 //! `scripts/generate-vectors.py` computed with 60 digits.
 
+use crate::common::entries::numbers;
 use glam::DVec3;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -37,11 +38,6 @@ fn topics() -> Vec<(String, Value)> {
         )
     };
     files.into_iter().map(read).collect()
-}
-
-fn numbers(value: &Value) -> Vec<f64> {
-    let numbers = value.as_array().unwrap().iter();
-    numbers.map(|number| number.as_f64().unwrap()).collect()
 }
 
 fn vector(x: &[f64]) -> DVec3 {

@@ -6,6 +6,7 @@
 //! border node takes the gradient of the nearest inner node). Gradients at queries in a border
 //! cell, and at the corner, differ by that same rule.
 
+use crate::common::entries::numbers;
 use glam::DVec3;
 use serde_json::Value;
 use volref::volume::*;
@@ -16,11 +17,6 @@ fn entry(id: &str) -> Value {
     let entries = file["entries"].as_array().unwrap();
     let entry = entries.iter().find(|entry| entry["id"] == id).unwrap();
     entry.clone()
-}
-
-fn numbers(value: &Value) -> Vec<f64> {
-    let numbers = value.as_array().unwrap().iter();
-    numbers.map(|number| number.as_f64().unwrap()).collect()
 }
 
 fn vector(value: &Value) -> DVec3 {

@@ -1,6 +1,6 @@
 //! Laws of splatting, interpolation and gradients, each over its whole domain.
 
-use crate::common;
+use crate::common::{self, vector};
 use glam::DVec3;
 use proptest::prelude::*;
 use std::sync::Arc;
@@ -13,10 +13,6 @@ const U: f64 = f64::EPSILON / 2.0;
 
 fn config() -> ProptestConfig {
     common::failures_in("fixtures/proptest-regressions/volume_laws.txt")
-}
-
-fn vector(component: std::ops::Range<f64>) -> impl Strategy<Value = DVec3> {
-    prop::array::uniform3(component).prop_map(DVec3::from_array)
 }
 
 fn lattice(least_nodes: usize) -> impl Strategy<Value = Lattice> {
@@ -40,7 +36,7 @@ fn position() -> impl Strategy<Value = DVec3> {
         -12.0..20.0_f64,
         (-24..40_i32).prop_map(|halves| f64::from(halves) / 2.0)
     ];
-    prop::array::uniform3(coordinate).prop_map(DVec3::from_array)
+    vector(coordinate)
 }
 
 fn nodes_of(lattice: &Lattice) -> impl Iterator<Item = [usize; 3]> + use<> {

@@ -86,7 +86,7 @@ fn nearest_nodes_half_a_voxel_off_are_named() {
             [only] => output_of(only.clone()),
             several => Output::Refined(several.iter().cloned().map(Picture::Radiance).collect()),
         };
-        let found = result_of(&case, output, |stage, _| stage == Stage::Singles);
+        let found = result_of(case, output, |stage, _| stage == Stage::Singles);
         let half = if voxels > 0.0 { "off" } else { "back" };
         assert_eq!(found.looks_like, [pair(half)], "{name}: {}", found.reason);
     }
@@ -94,7 +94,7 @@ fn nearest_nodes_half_a_voxel_off_are_named() {
     let scene = case.load_scene().unwrap();
     for name in ["nearest-for-trilinear", "volume-half-voxel-off"] {
         let scene = mistakes::named(name).unwrap().in_scene(&scene).unwrap();
-        let found = result_of(&case, output_of(image(&scene, 1)), |stage, _| {
+        let found = result_of(case, output_of(image(&scene, 1)), |stage, _| {
             stage == Stage::Singles
         });
         assert_eq!(found.looks_like, [name]);
@@ -110,11 +110,11 @@ fn a_number_far_off_is_no_cause_before_mistakes_are_tried() {
     let single = mistakes::named("single-scattering").unwrap();
     let far = image(&single.in_scene(&scene).unwrap(), 8);
     let as_if = "is too large for derivatives to tell if a number is off";
-    let (found, rendered) = searched(&case, output_of(far.clone()), |_, tried| tried < 1);
+    let (found, rendered) = searched(case, output_of(far.clone()), |_, tried| tried < 1);
     assert!(found.reason.contains(as_if), "{}", found.reason);
     // The first mistakes, of the image, take no rendering; a fit begins with one.
     assert_eq!(rendered, 0, "{:?}", found.difference);
-    let (found, rendered) = searched(&case, output_of(far.clone()), |stage, _| {
+    let (found, rendered) = searched(case, output_of(far.clone()), |stage, _| {
         stage == Stage::Singles
     });
     assert!(rendered > 0);

@@ -5,7 +5,7 @@
 use super::grids::{GridValues, rearranged};
 use super::{Edit, Mistake, makes};
 use crate::scene::{Classified, Fault};
-use crate::volume::{Grid, Interpolation};
+use crate::volume::{Grid, Interpolation, Lattice};
 use std::sync::Arc;
 
 macro_rules! of_bricks {
@@ -18,7 +18,7 @@ macro_rules! of_bricks {
         concat!("brick-borders-clamped-", $edge) => Classified(|scene| clamped(scene, $edge)),
             concat!("the volume is stored in bricks of ", $edge, " nodes, and values are not interpolated across their borders: a brick needs the first layer of the next");
         concat!("samples-counted-from-bricks-of-", $edge) => Classified(|scene| {
-            makes(scene, !scene.continuous && has_borders(scene, $edge), Fault::StepsFromBricks($edge))
+            makes(scene, !scene.continuous && has_borders(scene.grid.lattice(), $edge), Fault::StepsFromBricks($edge))
         }),
             concat!("samples are counted anew from the face of each brick of ", $edge, " cells: they lie at whole steps from where the ray enters the volume, whatever it is stored in");
         )+
@@ -30,9 +30,8 @@ macro_rules! of_bricks {
 pub(super) const MISTAKES: &[Mistake] = of_bricks!(8 16 32 64 128);
 
 /// True if bricks of so many nodes to an edge have borders within the volume.
-fn has_borders(scene: &Classified, edge: usize) -> bool {
-    let nodes = scene.grid.lattice().nodes();
-    nodes.iter().any(|&count| count > edge)
+fn has_borders(lattice: &Lattice, edge: usize) -> bool {
+    lattice.nodes().iter().any(|&count| count > edge)
 }
 
 /// Each layer before a border twice.
@@ -54,16 +53,14 @@ fn by_layers(
     let lattice = grid.lattice();
     let nodes = lattice.nodes();
     let moved = |node: [usize; 3]| [0, 1, 2].map(|axis| source(node[axis], nodes[axis] - 1));
-    let has_borders = nodes.iter().any(|&count| count > edge);
-    has_borders
-        .then(|| rearranged(grid, |node| lattice.index(moved(node))))
-        .flatten()
+    has_borders(lattice, edge).then_some(())?;
+    rearranged(grid, |node| lattice.index(moved(node)))
 }
 
 fn clamped(scene: &mut Classified, edge: u32) -> bool {
     let occurs = !scene.continuous
         && scene.interpolation == Interpolation::Trilinear
-        && has_borders(scene, edge as usize);
+        && has_borders(scene.grid.lattice(), edge as usize);
     makes(scene, occurs, Fault::BricksWithoutNeighbours(edge))
 }
 

@@ -1,6 +1,6 @@
 //! Mistakes in ray casters of classified volumes.
 
-use super::{Edit, Mistake, makes, set};
+use super::{Edit, Mistake, makes, replaced, set};
 use crate::geometry::length_of;
 use crate::optics::{Appearance, Colormap, Phong, TransferPoint, TransferPoints};
 use crate::scene::{Classified, Fault, Gradient, Mode, Shadow, StepLength};
@@ -221,9 +221,7 @@ fn strengthened(scene: &mut Classified, strength: fn(f64) -> f64) -> bool {
             opacity: transfer_function.reference_opacity(value),
         }
     };
-    let Ok(points) = TransferPoints::new((0..POINTS).map(point).collect()) else {
-        return false;
-    };
-    scene.transfer_function.appearance = Appearance::Points(points);
-    true
+    let points = TransferPoints::new((0..POINTS).map(point).collect());
+    let new = points.ok().map(Appearance::Points);
+    replaced(&mut scene.transfer_function.appearance, new)
 }

@@ -1,24 +1,17 @@
 //! Mistakes about densities: grids and noise.
 
 use super::grids::{GridValues, mapped};
-use super::{Edit, Mistake};
+use super::{Edit, Mistake, any, replaced};
 use crate::optics::Field;
 use crate::scene::Radiative;
 use crate::volume::{FractalDensity, FractalParameters, GridDensity, Interpolation};
-use glam::DVec3;
 
 pub(super) const MISTAKES: &[Mistake] = mistakes! {
     "interpolation-nearest" => Radiative(|scene| {
         grids(scene, |grid, old| (old == Interpolation::Trilinear).then(|| (grid.clone(), Interpolation::Nearest)))
     }),
         "densities are those of the nearest node: interpolate between the eight nodes around the sample";
-    "density-uniform" => Radiative(|scene| {
-        let mut occurs = false;
-        for body in &mut scene.media {
-            occurs |= body.density.take().is_some();
-        }
-        occurs
-    }),
+    "density-uniform" => Radiative(|scene| any(&mut scene.media, |body| body.density.take().is_some())),
         "the density is the same everywhere: look it up at each place and multiply the coefficients by it";
     "density-squared" => MediumGrids(|grid| mapped(grid, |value| value * value)),
         "the density counts twice: it multiplies the coefficients once";
@@ -41,34 +34,33 @@ pub(super) fn grids(
     scene: &mut Radiative,
     edit: impl Fn(&GridValues, Interpolation) -> Option<(GridValues, Interpolation)>,
 ) -> bool {
-    let mut occurs = false;
-    for density in scene.media.iter_mut().flat_map(|body| &mut body.density) {
-        if let Field::Grid(field) = density.field()
-            && let Some((grid, interpolation)) = edit(field.grid(), field.interpolation())
-        {
-            *density = density.with_field(Field::Grid(GridDensity::new(grid, interpolation)));
-            occurs = true;
-        }
-    }
-    occurs
+    with_fields(scene, |field| {
+        let Field::Grid(field) = field else {
+            return None;
+        };
+        let (grid, interpolation) = edit(field.grid(), field.interpolation())?;
+        Some(Field::Grid(GridDensity::new(grid, interpolation)))
+    })
 }
 
 fn noises(scene: &mut Radiative, edit: fn(&mut FractalParameters)) -> bool {
-    let mut occurs = false;
-    for density in scene.media.iter_mut().flat_map(|body| &mut body.density) {
-        let Field::Noise(noise) = density.field() else {
-            continue;
+    with_fields(scene, |field| {
+        let Field::Noise(noise) = field else {
+            return None;
         };
         let mut parameters = *noise.parameters();
         edit(&mut parameters);
-        let is_finite = |v: DVec3| v.is_finite();
-        if parameters == *noise.parameters() || !is_finite(parameters.scale) {
-            continue;
-        }
-        if let Ok(noise) = FractalDensity::new(parameters) {
-            *density = density.with_field(Field::Noise(noise));
-            occurs = true;
-        }
-    }
-    occurs
+        let is_new = parameters != *noise.parameters() && parameters.scale.is_finite();
+        let noise = is_new.then(|| FractalDensity::new(parameters).ok());
+        noise.flatten().map(Field::Noise)
+    })
+}
+
+/// Gives media other fields of density where `other` has one; whether it has any.
+fn with_fields(scene: &mut Radiative, other: impl Fn(&Field) -> Option<Field>) -> bool {
+    let densities = scene.media.iter_mut().flat_map(|body| &mut body.density);
+    any(densities, |density| {
+        let new = other(density.field()).map(|field| density.with_field(field));
+        replaced(density, new)
+    })
 }

@@ -124,12 +124,9 @@ fn part(grid: &GridValues, first: [usize; 3], last: [usize; 3]) -> Option<GridVa
     left.iter().all(|&count| count > 1).then_some(())?;
     let lattice = Lattice::new(left, old.spacing(), old.position(first)).ok()?;
     let lattice = lattice.with_centring(old.centring()).ok()?;
-    let source = |index| {
-        let [i, j, k] = lattice.node(index);
+    read_from(grid, lattice, |[i, j, k]| {
         old.index([i + first[0], j + first[1], k + first[2]])
-    };
-    let values = (0..lattice.node_count()).map(|index| grid.values()[source(index)]);
-    on(lattice, values.collect())
+    })
 }
 
 /// These values at the nodes of a lattice.
@@ -160,9 +157,8 @@ fn y_and_z_exchanged(grid: &GridValues) -> Option<GridValues> {
 fn rows_as_long_as_columns(grid: &GridValues) -> Option<GridValues> {
     let [nx, ny, _] = grid.lattice().nodes();
     let count = grid.values().len();
-    (nx != ny)
-        .then(|| rearranged(grid, |[i, j, k]| (i + ny * j + nx * ny * k) % count))
-        .flatten()
+    (nx != ny).then_some(())?;
+    rearranged(grid, |[i, j, k]| (i + ny * j + nx * ny * k) % count)
 }
 
 /// Whole numbers, some below 0, of the fewest bits that hold them: 8, 16 or 32.
@@ -218,11 +214,8 @@ fn transposed(grid: &GridValues) -> Option<GridValues> {
     let spacing = bounds.size() / DVec3::from_array(cells);
     let lattice = Lattice::new(nodes, spacing, bounds.min + spacing * first).ok()?;
     let lattice = lattice.with_centring(old.centring()).ok()?;
-    let values = (0..grid.values().len()).map(|index| {
-        let [i, j, k] = lattice.node(index);
-        grid.values()[old.index([k, j, i])]
-    });
-    on(lattice, (nx != nz).then(|| values.collect())?)
+    (nx != nz).then_some(())?;
+    read_from(grid, lattice, |[i, j, k]| old.index([k, j, i]))
 }
 
 /// The node of x and z exchanged, clamped to the grid; nothing of a grid with as many nodes along both.
@@ -238,9 +231,17 @@ pub(super) fn rearranged(
     grid: &GridValues,
     source: impl Fn([usize; 3]) -> usize,
 ) -> Option<GridValues> {
-    let (lattice, values) = (*grid.lattice(), grid.values());
-    let moved = (0..values.len()).map(|index| values[source(lattice.node(index))]);
-    on(lattice, moved.collect())
+    read_from(grid, *grid.lattice(), source)
+}
+
+/// A grid on `lattice` whose nodes have the values of `grid` at the indices that `source` gives.
+fn read_from(
+    grid: &GridValues,
+    lattice: Lattice,
+    source: impl Fn([usize; 3]) -> usize,
+) -> Option<GridValues> {
+    let values = (0..lattice.node_count()).map(|node| grid.values()[source(lattice.node(node))]);
+    on(lattice, values.collect())
 }
 
 /// Each value by itself.

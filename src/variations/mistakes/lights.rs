@@ -1,7 +1,6 @@
 //! Mistakes about lights, and about the camera.
 
 use super::{Edit, Mistake, set};
-use crate::geometry::Camera;
 use crate::optics::{Light, Sides, Spot};
 use crate::scene::Radiative;
 use glam::DVec3;
@@ -70,20 +69,15 @@ pub(super) const MISTAKES: &[Mistake] = mistakes! {
         !scene.camera.is_orthographic
     }),
         "the field of view is about half of what it should be: vertical_fov is in degrees, the full angle from the top to the bottom edge";
-    "half-a-pixel-right" => View(|camera, pixel| moved(camera, pixel, [0.5, 0.0])),
+    "half-a-pixel-right" => View([0.5, 0.0]),
         "the image is half a pixel too far to the right, along x alone: rays go through the centres of pixels, (x + 1/2), on both axes; is a centre left out on this one, or the aspect ratio taken of one pixel fewer?";
-    "half-a-pixel-left" => View(|camera, pixel| moved(camera, pixel, [-0.5, 0.0])),
+    "half-a-pixel-left" => View([-0.5, 0.0]),
         "the image is half a pixel too far to the left, along x alone: rays go through the centres of pixels, (x + 1/2), on both axes; is a centre left out on this one, or the aspect ratio taken of one pixel fewer?";
-    "half-a-pixel-down" => View(|camera, pixel| moved(camera, pixel, [0.0, 0.5])),
+    "half-a-pixel-down" => View([0.0, 0.5]),
         "the image is half a pixel too far down, along y alone: rays go through the centres of pixels, (y + 1/2), on both axes; is a centre left out on this one, or the aspect ratio taken of one pixel fewer?";
-    "half-a-pixel-up" => View(|camera, pixel| moved(camera, pixel, [0.0, -0.5])),
+    "half-a-pixel-up" => View([0.0, -0.5]),
         "the image is half a pixel too far up, along y alone: rays go through the centres of pixels, (y + 1/2), on both axes; is a centre left out on this one, or the aspect ratio taken of one pixel fewer?";
 };
-
-/// All that is seen moved by parts of a pixel, to the right and down.
-fn moved(camera: &Camera, pixel: f64, [right, down]: [f64; 2]) -> Camera {
-    camera.with_image_moved([right * pixel, down * pixel])
-}
 
 fn intensity(light: &mut Light, factor: f64) {
     if light.position().is_some() {

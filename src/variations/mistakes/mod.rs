@@ -26,7 +26,7 @@ mod transport;
 
 use self::grids::GridValues;
 use crate::film::Film;
-use crate::geometry::{Camera, Surface, length_of};
+use crate::geometry::{Surface, length_of};
 use crate::optics::{Appearance, Homogeneous, Light, Material, TransferOpacity};
 use crate::scene::{Body, Classified, Curve, Fault, Mode, Model, Radiative, Scene, TransportFault};
 use glam::DVec3;
@@ -50,8 +50,8 @@ enum Edit {
     Grid(fn(&GridValues) -> Option<GridValues>),
     /// Edits the grid of every medium.
     MediumGrids(fn(&GridValues) -> Option<GridValues>),
-    /// Edits the camera, given the height of a pixel over that of the image.
-    View(fn(&Camera, f64) -> Camera),
+    /// Moves the image by so many pixels, to the right and down.
+    View([f64; 2]),
     /// Edits the formula for opacity, of a classified volume or of its plot.
     Opacity(fn(&mut TransferOpacity) -> bool),
     /// Edits media among surfaces and lights.
@@ -97,12 +97,12 @@ impl Mistake {
             occurs |= match (&self.edit, &mut panel.model) {
                 (Edit::Classified(edit), Model::Classified(scene)) => in_classified(scene, edit),
                 (Edit::Grid(edit), Model::Classified(scene)) => in_classified(scene, |volume| {
-                    edit(&volume.grid).is_some_and(|grid| {
-                        volume.grid = grid;
-                        true
-                    })
+                    let new = edit(&volume.grid);
+                    replaced(&mut volume.grid, new)
                 }),
-                (Edit::View(edit), _) => panel.edit_view(edit),
+                (Edit::View(pixels), _) => panel.edit_view(|camera, pixel| {
+                    camera.with_image_moved(pixels.map(|count| count * pixel))
+                }),
                 (Edit::Opacity(edit), model) => opacity_of(model).is_some_and(edit),
                 // One tracer cannot make two mistakes at once.
                 (Edit::Transport(fault), Model::Radiative(radiative)) => {
@@ -187,19 +187,31 @@ fn changed<'i, T: Copy + PartialEq + 'i>(
     items: impl IntoIterator<Item = &'i mut T>,
     edit: fn(&mut T),
 ) -> bool {
-    let mut occurs = false;
-    for item in items {
+    any(items, |item| {
         let before = *item;
         edit(item);
-        occurs |= *item != before;
-    }
-    occurs
+        *item != before
+    })
+}
+
+/// Edits each of the `items` by what tells whether it applies; whether it did to any.
+fn any<'i, T: 'i>(
+    items: impl IntoIterator<Item = &'i mut T>,
+    mut edit: impl FnMut(&mut T) -> bool,
+) -> bool {
+    let items = items.into_iter();
+    items.fold(false, |occurs, item| edit(item) | occurs)
 }
 
 /// Sets `value` to `new`; whether it changed.
 fn set<T: PartialEq>(value: &mut T, new: T) -> bool {
     let old = std::mem::replace(value, new);
     old != *value
+}
+
+/// Puts `new` in the place of `value`, if there is any; whether there is.
+fn replaced<T>(value: &mut T, new: Option<T>) -> bool {
+    new.map(|new| *value = new).is_some()
 }
 
 /// Makes the mistake that no file states, if it `occurs` in `scene`.

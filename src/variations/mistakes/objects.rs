@@ -1,6 +1,6 @@
 //! Mistakes in classified scenes of several volumes, surfaces and clips.
 
-use super::{Edit, Mistake, makes, set};
+use super::{Edit, Mistake, any, makes, set};
 use crate::scene::{Fault, Kept};
 
 pub(super) const MISTAKES: &[Mistake] = mistakes! {
@@ -13,15 +13,12 @@ pub(super) const MISTAKES: &[Mistake] = mistakes! {
     "colours-of-volumes-unweighted" => Classified(|scene| makes(scene, !scene.objects.volumes.is_empty(), Fault::ColoursUnweighted)),
         "where volumes overlap, the mean of their colours has no weights: weigh each by its extinction";
     "step-of-first-volume" => Classified(|scene| {
-        let step = scene.step;
-        let volumes = scene.objects.volumes.iter_mut();
-        volumes.fold(false, |occurs, volume| set(&mut volume.step, step) | occurs)
+        any(&mut scene.objects.volumes, |volume| set(&mut volume.step, scene.step))
     }),
         "every volume is sampled by the step of the first one: each has a step of its own, in its own voxels";
     "transfer-function-of-first-volume" => Classified(|scene| {
-        let first = scene.transfer_function.clone();
-        let volumes = scene.objects.volumes.iter_mut();
-        volumes.fold(false, |occurs, volume| set(&mut volume.transfer_function, first.clone()) | occurs)
+        let first = &scene.transfer_function;
+        any(&mut scene.objects.volumes, |volume| set(&mut volume.transfer_function, first.clone()))
     }),
         "every volume has the colours and opacities of the first one: each has a transfer function of its own";
     "modulation-left-out" => Classified(|scene| scene.objects.modulation.take().is_some()),
@@ -53,14 +50,13 @@ pub(super) const MISTAKES: &[Mistake] = mistakes! {
     }),
         "volumes are not clipped: of each, only the side to which the normal of a plane points is left, or the inside of a box";
     "clips-turned-around" => Classified(|scene| {
-        let mut occurs = false;
-        for clip in &mut scene.objects.clips {
-            if let Kept::Side { normal, .. } = &mut clip.kept {
+        any(&mut scene.objects.clips, |clip| match &mut clip.kept {
+            Kept::Side { normal, .. } => {
                 *normal = -*normal;
-                occurs = true;
+                true
             }
-        }
-        occurs
+            Kept::Inside(_) => false,
+        })
     }),
         "the wrong side of a clip plane is left: the normal points to what is kept";
     "clipped-parts-cast-shadows" => Classified(|scene| {

@@ -1,6 +1,6 @@
 //! Mistakes in projections and isosurfaces of a classified volume.
 
-use super::{Edit, Mistake, set};
+use super::{Edit, Mistake, any, replaced, set};
 use crate::optics::{Appearance, TransferPoint, TransferPoints};
 use crate::scene::{
     Classified, Isosurface, IsosurfaceFault, Isosurfaces, Mode, Projected, Projection,
@@ -74,8 +74,7 @@ pub(super) const MISTAKES: &[Mistake] = mistakes! {
         "a ray ends at its first isosurface: what lies behind it is seen through it, as far as it is not opaque";
     "isosurface-opaque" => Classified(|scene| {
         surfaced(scene, |surfaces| {
-            let surfaces = surfaces.surfaces.iter_mut();
-            surfaces.fold(false, |occurs, surface| set(&mut surface.opacity, 1.0) | occurs)
+            any(&mut surfaces.surfaces, |surface| set(&mut surface.opacity, 1.0))
         })
     }),
         "isosurfaces are opaque: each has the opacity that the scene gives";
@@ -161,9 +160,7 @@ fn mean_over_the_diagonal(scene: &mut Classified) -> bool {
         value: point.value * diagonal,
         ..*point
     });
-    let Ok(points) = TransferPoints::new(larger.collect()) else {
-        return false;
-    };
-    scene.transfer_function.appearance = Appearance::Points(points);
-    true
+    let new = TransferPoints::new(larger.collect()).ok();
+    let new = new.map(Appearance::Points);
+    replaced(&mut scene.transfer_function.appearance, new)
 }

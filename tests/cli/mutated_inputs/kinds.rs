@@ -2,10 +2,10 @@
 
 use super::mutation::Mutator;
 use super::{exr_header, kept};
-use crate::folder::Folder;
+use crate::folder::{Folder, root};
 use std::collections::BTreeMap;
 use std::io::{Read, Write};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use volref::compare::Picture;
 use volref::exchange::{Format, export};
 use volref::film::{Film, LayeredFilm};
@@ -43,10 +43,6 @@ pub struct Workshop {
     pub folder: Folder,
     /// What stands in the place of each kind otherwise.
     whole: BTreeMap<String, Option<Vec<u8>>>,
-}
-
-fn root() -> &'static Path {
-    Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
 /// The files with this ending in some folders of the repository, small ones only.

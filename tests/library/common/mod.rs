@@ -21,6 +21,11 @@ pub fn failures_in(file: &'static str) -> ProptestConfig {
     }
 }
 
+/// Three coordinates.
+pub fn vector(coordinate: impl Strategy<Value = f64>) -> impl Strategy<Value = DVec3> {
+    prop::array::uniform3(coordinate).prop_map(DVec3::from_array)
+}
+
 /// Directions as renderers meet them: any, along an axis or a plane of axes with zeros of either
 /// sign, nearly so, with denormal components.
 pub fn direction() -> impl Strategy<Value = DVec3> {
@@ -30,7 +35,5 @@ pub fn direction() -> impl Strategy<Value = DVec3> {
         1 => Just(-0.0),
         1 => prop_oneof![Just(1e-17), Just(-1e-9), Just(5e-324), Just(-1e-310)],
     ];
-    prop::array::uniform3(component)
-        .prop_map(DVec3::from_array)
-        .prop_filter("a direction", |v| v.abs().max_element() > 0.1)
+    vector(component).prop_filter("a direction", |v| v.abs().max_element() > 0.1)
 }

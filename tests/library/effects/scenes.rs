@@ -1,7 +1,7 @@
 //! Scenes made of effects, as text, and what comes of them.
 
+use crate::common::suite::root;
 use crate::effects::effects_of;
-use std::path::Path;
 use volref::film::Film;
 use volref::render::plan::Kernel;
 use volref::render::{Counters, Event, Plan, Sampling, render};
@@ -10,8 +10,7 @@ use volref::scene::Scene;
 /// A scene by the text of its file, which stands in a folder of the fixtures.
 #[track_caller]
 pub fn parsed(text: &str) -> Scene {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/scenes/hard");
-    match Scene::parse(text, &folder.join("scene.toml")) {
+    match Scene::parse(text, &root().join("fixtures/scenes/hard/scene.toml")) {
         Ok(scene) => scene,
         Err(error) => panic!("{error:?}\n{text}"),
     }

@@ -1,8 +1,8 @@
 //! Every scene of the suite, small.
 
+use crate::common::suite::scene_files;
 use crate::effects::effects_of;
 use crate::effects::scenes::{off_is_off, rendered};
-use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 use volref::render::counters::Event;
 use volref::render::{Effect, Plan, State};
@@ -16,24 +16,9 @@ const SIDE: usize = 8;
 /// through the middle of a picture would meet a lamp that stands there.
 const SIDE_IF_FORCED: usize = 4;
 
-fn paths() -> Vec<PathBuf> {
-    let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/scenes");
-    let entries = |folder: &Path| -> Vec<PathBuf> {
-        let entries = std::fs::read_dir(folder).unwrap();
-        entries.map(|entry| entry.unwrap().path()).collect()
-    };
-    let mut paths: Vec<_> = entries(&scenes).iter().flat_map(|f| entries(f)).collect();
-    paths.retain(|path| {
-        path.extension()
-            .is_some_and(|extension| extension == "toml")
-    });
-    paths.sort();
-    paths
-}
-
 /// The pictures of the suite, each as a scene of its own, their larger side that of so many pixels.
 fn pictures(larger_side: usize) -> impl Iterator<Item = (String, Scene)> {
-    paths().into_iter().flat_map(move |path| {
+    scene_files().into_iter().flat_map(move |(name, path)| {
         let scene = Scene::load(&path).unwrap_or_else(|error| panic!("{error:?}"));
         let panels = scene.panels.into_iter().enumerate();
         panels.map(move |(index, panel)| {
@@ -48,7 +33,6 @@ fn pictures(larger_side: usize) -> impl Iterator<Item = (String, Scene)> {
                 scene.samples = 2;
             }
             let scene = Scene::of(panel);
-            let name = path.file_stem().unwrap().display();
             (format!("{name}, panel {}", index + 1), scene)
         })
     })

@@ -6,8 +6,7 @@ mod grids;
 mod rays;
 mod spheres;
 
-use crate::common;
-use crate::common::direction;
+use crate::common::{self, direction, vector};
 use crate::exact;
 use crate::ray_caster::scenes;
 use glam::DVec3;
@@ -38,11 +37,6 @@ fn octaves(low: f64, high: f64) -> impl Strategy<Value = f64> {
 /// Powers of two by which lengths are scaled.
 fn scale() -> impl Strategy<Value = f64> {
     (-200..=200_i32).prop_map(scenes::power_of_two)
-}
-
-/// Three coordinates.
-fn vector(coordinate: impl Strategy<Value = f64>) -> impl Strategy<Value = DVec3> {
-    prop::array::uniform3(coordinate).prop_map(DVec3::from_array)
 }
 
 /// A multiple of 1/256 between −4 and 4.

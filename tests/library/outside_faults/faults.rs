@@ -2,6 +2,7 @@
 //! that a verdict is judged by.
 
 use super::images::{self, by_place, by_value, channels, from_elsewhere, is_one_of_twenty, times};
+use crate::common::suite::case_of;
 use glam::DVec3;
 use std::f64::consts::LN_10;
 use std::sync::Arc;
@@ -12,7 +13,6 @@ use volref::math::rng::philox4x32_10;
 use volref::optics::{Appearance, Coefficients, Colormap, Field, Light, Material, Sides};
 use volref::scene::{Classified, Radiative, Scattering, Scene};
 use volref::sensitivity::numbers;
-use volref::suite::Suite;
 use volref::volume::{FractalDensity, FractalParameters, Grid, GridDensity, Lattice};
 
 /// A fault.
@@ -126,12 +126,10 @@ const DRAWN: [(&str, usize); 15] = [
 const SIZES: [f64; 8] = [1.5, -2.3, 3.7, -5.3, 7.1, -9.7, 13.3, -17.9];
 
 /// All faults. Every other one of a case is made at 64 samples.
-pub fn faults(suite: &Suite) -> Vec<Fault> {
+pub fn faults() -> Vec<Fault> {
     let mut all = by_hand();
     for (case, count) in DRAWN {
-        let scene = suite.select(&[case.to_owned()]).unwrap()[0]
-            .load_scene()
-            .unwrap();
+        let scene = case_of(case).load_scene().unwrap();
         all.extend(drawn(case, &scene, count));
     }
     for (fault, samples) in all.iter_mut().zip([16, 64].into_iter().cycle()) {

@@ -9,8 +9,7 @@ mod faults;
 mod images;
 mod verdict;
 
-use crate::common::suite::film_with;
-use crate::common::suite::suite;
+use crate::common::suite::{case_of, explained, film_with, suite, uninterrupted, validated};
 use crate::needs::tries;
 use faults::{Edit, Fault, Kind, faults};
 use rayon::prelude::*;
@@ -18,37 +17,17 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::time::{Duration, Instant};
 use verdict::{Judgement, Said, judge, table};
-use volref::compare::Picture;
 use volref::compare::stochastic::judge_at;
 use volref::conventions::{CATALOGUE, under};
 use volref::film::Film;
 use volref::geometry::Camera;
-use volref::judging::{CaseResult, Judged, Verdict, validate};
+use volref::judging::{CaseResult, Judged, Verdict};
 use volref::math;
 use volref::naming::{ConventionSearch, Predictions, Search, diagnosis};
 use volref::scene::{Model, Scattering, Scene};
 use volref::sensitivity::number;
-use volref::suite::{Case, Output, Suite};
+use volref::suite::Case;
 use volref::variations::mistakes;
-
-fn case_of<'a>(suite: &'a Suite, name: &str) -> &'a Case {
-    suite.select(&[name.to_owned()]).unwrap()[0]
-}
-
-fn validated(suite: &Suite, case: &Case, film: Film) -> Judged {
-    let output = Output::Picture(Box::new(Picture::Radiance(film)));
-    validate(case, &suite.store(), output, None)
-}
-
-/// A search with this much work that nobody ends.
-fn uninterrupted(work: Option<Duration>, predictions: &Predictions) -> Search<'_> {
-    Search {
-        budget: work,
-        predictions,
-        interrupted: &|| false,
-        progress: &|_| (),
-    }
-}
 
 fn given(variable: &str) -> Option<u32> {
     std::env::var(variable).ok()?.parse().ok()
@@ -109,11 +88,7 @@ fn edit_camera(model: &mut Model, edit: impl Fn(&Camera) -> Camera) {
 
 /// With random numbers of its own.
 fn rendered(scene: &Scene, samples: u32) -> Film {
-    rendered_with(scene, samples, 0x6f75_7473_6964_6500)
-}
-
-fn rendered_with(scene: &Scene, samples: u32, seed: u64) -> Film {
-    film_with(scene, samples, seed)
+    film_with(scene, samples, 0x6f75_7473_6964_6500)
 }
 
 /// The scene with `fault`; `None` where a number or a mistake has no occasion.
@@ -179,12 +154,11 @@ fn faulty(fault: &Fault, scene: &Scene, samples: u32) -> Option<Film> {
 /// The verdict on the image with `fault`: as `validate` has it, conventions first, then names.
 fn verdict(
     fault: &Fault,
-    suite: &Suite,
     samples: u32,
     conventions: Option<f64>,
     search: &Search<'_>,
 ) -> Judgement {
-    let case = case_of(suite, fault.case);
+    let case = case_of(fault.case);
     let scene = case.load_scene().unwrap();
     let film = faulty(fault, &scene, samples).expect("the case has occasion for it");
     if let Some(folder) = std::env::var_os("VOLREF_FAULTS_KEEP") {
@@ -194,13 +168,12 @@ fn verdict(
         std::fs::create_dir_all(path.parent().unwrap()).unwrap();
         std::fs::write(path, film.to_exr().unwrap()).unwrap();
     }
-    let mut judged = [validated(suite, case, film)];
+    let mut judged = validated(case, film);
     if let Some(seconds) = conventions {
         let search = ConventionSearch::default();
-        search.explain_mismatch(case, &suite.store(), &mut judged[0], seconds, false);
+        search.explain_mismatch(case, &suite().store(), &mut judged, seconds, false);
     }
-    diagnosis(&[case], None, &mut judged, search);
-    judge(fault, &scene, &judged[0].result)
+    judge(fault, &scene, &explained(case, judged, search))
 }
 
 const EXTINCTION: &str =
@@ -234,12 +207,12 @@ const YES: Option<Said> = Some(Said::Rightly);
 
 #[test]
 fn a_name_is_right_or_there_is_none() {
-    let (suite, predictions) = (suite(), Predictions::default());
+    let predictions = Predictions::default();
     let search = uninterrupted(None, &predictions);
-    let faults = faults(&suite);
+    let faults = faults();
     for (name, named, described, words) in IN_EVERY_RUN.into_iter().step_by(tries(3, 1)) {
         let fault = faults.iter().find(|fault| fault.name == name).unwrap();
-        let judged = verdict(fault, &suite, 16, None, &search);
+        let judged = verdict(fault, 16, None, &search);
         assert!(judged.is_caught(), "{name}: {}", judged.text);
         assert_eq!(judged.named, named, "{name}: {}", judged.text);
         if let Some(described) = described {
@@ -251,8 +224,7 @@ fn a_name_is_right_or_there_is_none() {
 
 #[test]
 fn there_are_faults_enough_and_each_is_its_own() {
-    let suite = suite();
-    let faults = faults(&suite);
+    let faults = faults();
     let names: BTreeSet<(&str, &str)> = faults.iter().map(|f| (f.case, &*f.name)).collect();
     assert_eq!(names.len(), faults.len());
     assert!(faults.len() >= 250, "{}", faults.len());
@@ -265,7 +237,7 @@ fn there_are_faults_enough_and_each_is_its_own() {
                 "{part} is no mistake"
             );
         }
-        let case = case_of(&suite, fault.case);
+        let case = case_of(fault.case);
         let scene = scenes.entry(fault.case);
         let scene = scene.or_insert_with(|| case.load_scene().unwrap());
         let is_possible = faulty_scene(fault, scene).is_some();
@@ -276,14 +248,13 @@ fn there_are_faults_enough_and_each_is_its_own() {
 /// A search that is cut off gets as far whether predictions have to be rendered or are kept.
 #[test]
 fn a_limit_of_a_search_counts_work_and_not_time() {
-    let suite = suite();
-    let case = case_of(&suite, "smoke/cornell");
+    let case = case_of("smoke/cornell");
     let mut scene = case.load_scene().unwrap();
     if let Model::Radiative(radiative) = &mut scene.panels[0].model {
         radiative.scattering = Scattering::Multiple(Some(2));
     }
     let found = || {
-        let mut judged = [validated(&suite, case, rendered(&scene, 4))];
+        let mut judged = [validated(case, rendered(&scene, 4))];
         let predictions = Predictions::default();
         let search = uninterrupted(Some(Duration::from_millis(300)), &predictions);
         let found = diagnosis(&[case], None, &mut judged, &search);
@@ -305,7 +276,7 @@ fn a_limit_of_a_search_counts_work_and_not_time() {
 #[test]
 #[ignore = "an hour: scripts/verdicts.sh runs it"]
 fn names_of_faults_outside_the_catalogue() {
-    let (suite, predictions) = (suite(), Predictions::default());
+    let predictions = Predictions::default();
     let seconds = f64::from(given("VOLREF_EXPLAIN").unwrap_or(10));
     let search = uninterrupted(Some(Duration::from_secs_f64(seconds)), &predictions);
     let wanted = std::env::var("VOLREF_FAULTS").unwrap_or_default();
@@ -313,11 +284,11 @@ fn names_of_faults_outside_the_catalogue() {
         let texts = [&*fault.name, fault.case, &format!("{:?}", fault.kind)].join("\n");
         wanted.split(',').any(|word| texts.contains(word))
     };
-    let wanted: Vec<Fault> = faults(&suite).into_iter().filter(is_wanted).collect();
+    let wanted: Vec<Fault> = faults().into_iter().filter(is_wanted).collect();
     let judge = |fault: &Fault| {
         let samples = given("VOLREF_FAULT_SAMPLES").unwrap_or(fault.samples);
         let begun = Instant::now();
-        let judgement = verdict(fault, &suite, samples, Some(seconds), &search);
+        let judgement = verdict(fault, samples, Some(seconds), &search);
         println!(
             "{:<26} {:<44} {samples:>2} {:>4.0} s  {}\n        {}",
             fault.case,
@@ -354,7 +325,7 @@ const CLOSELY: u32 = 1024;
 #[test]
 #[ignore = "hours: scripts/nightly.sh runs it"]
 fn mistakes_of_the_catalogue_are_named_first() {
-    let (suite, predictions) = (suite(), Predictions::default());
+    let predictions = Predictions::default();
     let search = uninterrupted(Some(Duration::from_secs(10)), &predictions);
     let wanted = std::env::var("VOLREF_FAULTS").unwrap_or_default();
     let seeds = u64::from(given("VOLREF_SEEDS").unwrap_or(4));
@@ -379,10 +350,9 @@ fn mistakes_of_the_catalogue_are_named_first() {
                 .flat_map(|name| (1..=seeds).map(|seed| (*name, seed)));
             let trials: Vec<(&str, u64)> = trials.collect();
             let trial = |&(name, seed): &(&'static str, u64)| {
-                let result = result_of_mistake(&suite, case, name, (samples, seed), &search)?;
+                let result = result_of_mistake(case, name, (samples, seed), &search)?;
                 let first = result.looks_like.first().cloned().unwrap_or_default();
-                let is_first =
-                    first == name || !first.is_empty() && same_image(&suite, case, &first, name);
+                let is_first = first == name || !first.is_empty() && same_image(case, &first, name);
                 if !is_first {
                     let said = [&[result.reason], &result.difference[..]]
                         .concat()
@@ -413,11 +383,11 @@ fn mistakes_of_the_catalogue_are_named_first() {
 #[test]
 #[ignore = "a minute: scripts/nightly.sh"]
 fn mistakes_that_noise_hides_are_named() {
-    let (suite, predictions) = (suite(), Predictions::default());
+    let predictions = Predictions::default();
     let search = uninterrupted(Some(Duration::from_secs(10)), &predictions);
     let hidden = ["half-resolution", "one-pixel-left", "lights-counted-twice"];
     hidden.par_iter().for_each(|name| {
-        let result = result_of_mistake(&suite, "smoke/cornell", name, (16, 1), &search).unwrap();
+        let result = result_of_mistake("smoke/cornell", name, (16, 1), &search).unwrap();
         let first = result.looks_like.first().map(String::as_str);
         assert_eq!(
             first,
@@ -431,36 +401,30 @@ fn mistakes_that_noise_hides_are_named() {
 
 /// The verdict on an image with a mistake, if it fails.
 fn result_of_mistake(
-    suite: &Suite,
     case: &str,
     name: &'static str,
     (samples, seed): (u32, u64),
     search: &Search<'_>,
 ) -> Option<CaseResult> {
-    let case = case_of(suite, case);
+    let case = case_of(case);
     let film = with_mistake(&case.load_scene().unwrap(), name, samples, seed)?;
-    let mut judged = [validated(suite, case, film)];
-    if judged[0].result.verdict != Verdict::Fail {
-        return None;
-    }
-    diagnosis(&[case], None, &mut judged, search);
-    let [judged] = judged;
-    Some(judged.result)
+    let judged = validated(case, film);
+    (judged.result.verdict == Verdict::Fail).then(|| explained(case, judged, search))
 }
 
 /// The image of `scene` with the mistake of that name; `None` where it has no occasion.
 fn with_mistake(scene: &Scene, name: &str, samples: u32, seed: u64) -> Option<Film> {
     let mistake = mistakes::named(name)?;
     if mistake.is_of_the_image() {
-        mistake.in_image(&rendered_with(scene, samples, seed))
+        mistake.in_image(&film_with(scene, samples, seed))
     } else {
-        Some(rendered_with(&mistake.in_scene(scene)?, samples, seed))
+        Some(film_with(&mistake.in_scene(scene)?, samples, seed))
     }
 }
 
 /// True if images with the two mistakes agree as far as many samples tell.
-fn same_image(suite: &Suite, case: &str, one: &str, other: &str) -> bool {
-    let scene = case_of(suite, case).load_scene().unwrap();
+fn same_image(case: &str, one: &str, other: &str) -> bool {
+    let scene = case_of(case).load_scene().unwrap();
     let images =
         [(one, 11), (other, 12)].map(|(name, seed)| with_mistake(&scene, name, CLOSELY, seed));
     let [Some(one), Some(other)] = images else {
@@ -470,19 +434,18 @@ fn same_image(suite: &Suite, case: &str, one: &str, other: &str) -> bool {
 }
 
 /// The verdict on 64 samples of a case with that number changed.
-fn judged_with_number(suite: &Suite, case: &Case, name: &str, change: f64) -> Judged {
+fn judged_with_number(case: &Case, name: &str, change: f64) -> Judged {
     let right = case.load_scene().unwrap();
     let changed = number(&right, name).unwrap().changed(&right, change);
-    validated(suite, case, rendered(&changed.unwrap(), 64))
+    validated(case, rendered(&changed.unwrap(), 64))
 }
 
 /// A change of 10 % of what absorbs alone is far outside the range of derivatives, and one of 5 % at its
 /// edge: neither is taken for another number, or for two.
 #[test]
 fn numbers_far_off_are_told_in_noise() {
-    let suite = suite();
-    let case = case_of(&suite, "fog/absorption");
-    let little = judged_with_number(&suite, case, "density", -0.05).result;
+    let case = case_of("fog/absorption");
+    let little = judged_with_number(case, "density", -0.05).result;
     let named = little.changes.iter().filter(|change| change.fits_best);
     let named: Vec<&str> = named.map(|change| change.name.as_str()).collect();
     assert_eq!(named, ["density"], "{}", little.reason);
@@ -490,7 +453,7 @@ fn numbers_far_off_are_told_in_noise() {
     let off = (change.change + 0.05).abs();
     assert!(off < 4.0 * change.error, "{change:?}");
 
-    let much = judged_with_number(&suite, case, "density", 0.1).result;
+    let much = judged_with_number(case, "density", 0.1).result;
     let reason = &much.reason;
     assert!(reason.contains("is too large for derivatives"), "{reason}");
 }
@@ -499,7 +462,7 @@ fn numbers_far_off_are_told_in_noise() {
 #[test]
 #[ignore = "minutes: scripts/nightly.sh runs it"]
 fn far_changes_agree() {
-    let (suite, predictions) = (suite(), Predictions::default());
+    let predictions = Predictions::default();
     let search = uninterrupted(None, &predictions);
     for (case, name, change) in [
         ("smoke/cornell", "camera.down", 2.0),
@@ -508,10 +471,9 @@ fn far_changes_agree() {
         ("fog/forward", "reflectance", -0.3),
         ("fog/absorption", "density", 0.1),
     ] {
-        let case = case_of(&suite, case);
-        let mut judged = [judged_with_number(&suite, case, name, change)];
-        diagnosis(&[case], None, &mut judged, &search);
-        let said = judged[0].result.difference.join("; ");
+        let case = case_of(case);
+        let judged = judged_with_number(case, name, change);
+        let said = explained(case, judged, &search).difference.join("; ");
         println!("{name} {change}: {said}");
         assert!(
             name == "reflectance" || !said.contains("reflectance"),

@@ -1,6 +1,7 @@
 //! Opacity over lengths: it composes, and a homogeneous volume has the closed form.
 
 use super::{U, config, scenes};
+use crate::common::vector;
 use glam::DVec3;
 use proptest::prelude::*;
 use volref::geometry::Ray;
@@ -90,7 +91,7 @@ fn homogeneous() -> impl Strategy<Value = Homogeneous> {
         scenes::lattice(6),
         0.0..1.2_f32,
         0.01..100.0_f64,
-        scenes::vector(-2.0..2.0),
+        vector(-2.0..2.0),
         inside,
     )
         .prop_map(|(lattice, density, reference, eye, inside)| {

@@ -1,5 +1,6 @@
 //! Scenes without files: random grids, cameras and settings.
 
+use crate::common::vector;
 use glam::DVec3;
 use proptest::prelude::*;
 use std::sync::Arc;
@@ -17,10 +18,6 @@ use volref::volume::{Grid, Interpolation, Lattice};
 pub fn power_of_two(exponent: i32) -> f64 {
     let power = math::powu(2.0, exponent.unsigned_abs());
     if exponent < 0 { 1.0 / power } else { power }
-}
-
-pub fn vector(component: std::ops::Range<f64>) -> impl Strategy<Value = DVec3> {
-    prop::array::uniform3(component).prop_map(DVec3::from_array)
 }
 
 /// A grid of the values of `field`, which is given node indices.

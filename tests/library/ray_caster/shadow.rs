@@ -1,6 +1,7 @@
 //! The volume shadow is `min(1, exp(−S/100))`, `S` the sum of what lies in the way.
 
 use super::{U, config, scenes};
+use crate::common::vector;
 use glam::DVec3;
 use proptest::prelude::*;
 use std::sync::Arc;
@@ -66,7 +67,7 @@ proptest! {
     }
 
     #[test]
-    fn finer_steps_approach_the_integral(seed in any::<u64>(), at in scenes::vector(0.3..3.7)) {
+    fn finer_steps_approach_the_integral(seed in any::<u64>(), at in vector(0.3..3.7)) {
         let lattice = Lattice::new([5, 5, 5], DVec3::ONE, DVec3::ZERO).unwrap();
         let grid = scenes::sparse_grid(lattice, seed, 1.0);
         let light = DVec3::new(2.0, 9.0, 1.0);
@@ -84,7 +85,7 @@ proptest! {
     }
 
     #[test]
-    fn the_shadow_of_nothing_is_exactly_one(at in scenes::vector(0.0..4.0), light in scenes::vector(-9.0..9.0)) {
+    fn the_shadow_of_nothing_is_exactly_one(at in vector(0.0..4.0), light in vector(-9.0..9.0)) {
         let lattice = Lattice::new([5, 5, 5], DVec3::ONE, DVec3::ZERO).unwrap();
         let shadow = Shadow { step: 0.3, reference_step: 1e-300 };
         let empty = scenes::sampled(lattice, |_| 0.0);

@@ -1,6 +1,7 @@
 //! A suite as a report may meet it: the goldens, and images made from them by known edits.
 
 pub use crate::common::suite::golden_of as golden;
+use crate::common::{simulated, suite::silent};
 use std::sync::OnceLock;
 use volref::compare::flip::SrgbImage;
 use volref::compare::{Conditions, Gate, Picture, judge};
@@ -89,12 +90,7 @@ impl Numbers {
 
 /// `film` with each pixel changed; without its noise.
 pub fn edited(film: &Film, edit: impl Fn(usize, usize, [f32; 3]) -> [f32; 3]) -> Film {
-    let width = film.width();
-    let pixels = film.radiance().iter().enumerate();
-    let radiance = pixels
-        .map(|(i, &pixel)| edit(i % width, i / width, pixel))
-        .collect();
-    Film::new(width, film.height(), radiance)
+    simulated::edited(&silent(film), edit)
 }
 
 /// A rendering of `factor` times the radiance of `golden` with a sixteenth of its samples.
