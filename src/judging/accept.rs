@@ -376,13 +376,16 @@ fn is_of(golden: &Golden, scene: &Scene) -> bool {
     made_from.scene == scene_hash(scene) && made_from.inputs == input_hashes(scene)
 }
 
+/// Files to write, with their contents.
+type Files = Vec<(PathBuf, Vec<u8>)>;
+
 /// The change of the golden of a case, and the files that make it.
 fn prepare(
     task: &LoadedCase<'_>,
     golden: GoldenImage,
     store: &Store,
     reason: &str,
-) -> Result<(Accepted, Vec<(PathBuf, Vec<u8>)>), AcceptError> {
+) -> Result<(Accepted, Files), AcceptError> {
     let LoadedCase { case, scene, .. } = task;
     let plans = plans(scene);
     let changed = |change, detail: &str| Accepted {
