@@ -352,7 +352,7 @@ def render(
     depth: str | None = None,
 ) -> NDArray[np.float32]:
     """The image of a case, or of a scene file, as volref renders it: float32 of shape (height, width, 3), or
-    (height, width, 4) with opacity; linear radiance, premultiplied by opacity.
+    (height, width, 4) with opacity; linear radiance, in front of the background of the scene.
 
     ``spp``: samples per pixel, 1 or more, for Monte Carlo scenes; ``seed``: of their random numbers, 0 or more.
     ``step``: length of a step through a classified volume, such as ``"0.5 voxels"``; a number is in world units.

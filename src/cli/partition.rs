@@ -37,7 +37,7 @@ impl PartitionArgument {
         });
         if before > 0 && items.is_empty() {
             let message = format!("none of the {before} cases is in the part {partition}");
-            let help = "take fewer parts: slice:M/N has an empty one only if N is above that";
+            let help = "take fewer parts: slice:M/N has an empty part only if N is above the number of cases";
             return Err(Failure::new(Exit::Undecided, message, Some(help)));
         }
         Ok(())

@@ -59,8 +59,8 @@ impl Clock {
     }
 
     /// Times `tasks` by turns, A B C A B C …, so that what slows the machine down for a while
-    /// meets all of them. By task, and nothing if no time is to be taken or none is left for two
-    /// rounds. Divided by `share`, the number of pixels.
+    /// meets all of them. Returns the times of each task, divided by `share`, the number of pixels; `None` if timing is off,
+    /// or if the time left is too short for two rounds.
     ///
     /// On one thread: what is compared is work, not how well it is shared out.
     pub(crate) fn by_turns(&self, tasks: &[Task<'_>], share: f64) -> Vec<Option<Times>> {

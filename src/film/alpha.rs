@@ -4,7 +4,7 @@ use super::Film;
 use std::fmt;
 use std::str::FromStr;
 
-/// Declared relation of colours to the opacity beside them, where the background is left out.
+/// Whether colours without the background are multiplied by the opacity beside them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Alpha {
     /// Multiplied by opacity: the light that the volume sends.
@@ -39,7 +39,7 @@ impl FromStr for Alpha {
 }
 
 impl Film {
-    /// The radiance of an image of this kind before the `background` of each pixel; unchanged without opacity.
+    /// Composites an image of this kind over the `background` of each pixel; an image without opacity stays as it is.
     ///
     /// Source: Porter & Duff 1984, "Compositing digital images" (the operator *over*).
     pub fn before(mut self, alpha: Alpha, background: impl Fn(usize) -> [f64; 3]) -> Film {

@@ -58,7 +58,7 @@ impl Film {
         let (text, rest) = word(rest)?;
         let scale: f32 = text.parse().unwrap_or(f32::NAN);
         if !scale.is_finite() || scale == 0.0 {
-            let reason = format!("its scale is {text:?}, not a number other than 0");
+            let reason = format!("its scale is {text:?}, and must be a number other than 0");
             return Err(unreadable(reason));
         }
         let expected = width * height * channels * 4;

@@ -69,15 +69,15 @@ impl Camera {
         Camera::towards(eye, target, up, 0.5 * height, true)
     }
 
-    /// A camera by its map into the world, row by row, of an image of this `size`, in pixels. The columns are the
-    /// directions right and up in the image and backward, and the eye: the axes of OpenGL. The ray of the pixel
-    /// (i, j) is the image of
+    /// A camera from its matrix into the world, row by row, and its intrinsics, for an image of this `size`, in pixels.
+    /// The columns of the matrix are the directions right and up in the image and backward, and the eye: the axes of
+    /// OpenGL. The matrix maps this direction to the ray of the pixel (i, j):
     ///
     /// ```text
     /// ((i + ½ − cx) / fl_x, −(j + ½ − cy) / fl_y, −1)
     /// ```
     ///
-    /// as in the `transforms.json` of NeRF (Mildenhall et al. 2020). The matrix is used as it stands, its digits too.
+    /// as in the `transforms.json` of NeRF (Mildenhall et al. 2020). The matrix is not made orthonormal.
     pub fn of_matrix(
         rows: [[f64; 4]; 4],
         intrinsics: Intrinsics,

@@ -337,8 +337,8 @@ fn check_converged(
     // A float becomes the nearest whole number there is room for.
     let enough = (enough as u64).next_multiple_of(64);
     let reason = format!(
-        "the golden would be too noisy: the standard error of a block is {error:.2e} of its mean, and a resolution \
-         of {} needs a quarter of the resolution or less",
+        "the golden would be too noisy: the standard error of a block is {error:.2e} of its mean, and must be at \
+         most a quarter of the resolution, {}",
         sampling.resolution
     );
     let help = format!("in the manifest: converged_samples = {enough}; nothing was accepted");

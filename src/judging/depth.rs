@@ -39,7 +39,7 @@ impl DepthComparison<'_> {
     }
 }
 
-/// The nature of `test`, a wrong depth in place of the one that is `asked` for, if it is another depth of the scene.
+/// Names the other definition of depth that `test` matches in place of the one `asked` for, if any.
 pub(super) fn cause(compared: &DepthComparison<'_>, asked: Depth, test: &[f32]) -> Option<String> {
     let others = Depth::ALL.into_iter().map(|(_, other)| other);
     let others = others.filter(|&other| other != asked).filter_map(|other| {
@@ -48,6 +48,6 @@ pub(super) fn cause(compared: &DepthComparison<'_>, asked: Depth, test: &[f32]) 
     });
     let (_, other) = others.min_by(|(a, _), (b, _)| a.total_cmp(b))?;
     Some(format!(
-        "the {other} depth, and the case asks for the {asked} one"
+        "the {other} depth, but the case asks for the {asked} one"
     ))
 }

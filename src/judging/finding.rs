@@ -51,7 +51,7 @@ impl From<Judgement> for CaseResult {
     }
 }
 
-/// A case whose golden belongs to its scene.
+/// The scene of a case, and its golden, which was checked against it.
 #[derive(Debug)]
 pub(crate) struct CheckedGolden {
     pub scene: Scene,
@@ -188,9 +188,9 @@ impl CheckedGolden {
     }
 }
 
-/// Cases among which the false alarms of a suite are divided: as many as any suite has, so that
-/// no verdict depends on what other cases there are. It costs little: in place of one case, a
-/// thousand move the limit of a block of a 192 × 192 image from 6.4 to 7.4 standard errors.
+/// Number of cases that share the rate of false alarms of a suite. It is fixed, so that no verdict depends on the other
+/// cases of the suite. That costs little: compared with one case, a thousand move the limit of a block of a 192 × 192
+/// image from 6.4 to 7.4 standard errors.
 pub(crate) const MOST_CASES: usize = 1000;
 
 /// Ratio of the required resolution to the standard error of a golden: a bias of that size is then

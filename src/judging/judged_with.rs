@@ -6,7 +6,7 @@ use crate::suite::refusal;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
-/// Settings that loosen judgements, by the names by which runs keep them.
+/// Names of the settings that loosen judgements, as runs store them.
 const LOOSENING: [&str; 4] = ["accept conventions", "alpha", "bits", "resolution"];
 
 /// Settings of a run that loosen its judgements, and the cases that it did not judge.
@@ -16,7 +16,7 @@ pub(crate) struct JudgedWith {
     settings: BTreeMap<String, String>,
     /// Names of the cases that were skipped, for they have no image.
     skipped: Vec<String>,
-    /// Names of the cases for which the renderer, or a format, has no words.
+    /// Names of the cases that the renderer, or a format, cannot express.
     cannot: Vec<String>,
 }
 

@@ -30,7 +30,7 @@ pub(super) fn found_causes(result: &CaseResult) -> (Vec<&str>, bool) {
     (found, is_searched)
 }
 
-/// The names of mistakes and conventions, which causes have.
+/// All names that `cause` may have: of mistakes and of conventions.
 pub(super) fn causes() -> impl Iterator<Item = &'static str> {
     let mistakes = mistakes::catalogue().map(|mistake| mistake.name);
     mistakes.chain(CATALOGUE.iter().map(|convention| convention.words))

@@ -100,7 +100,7 @@ impl KnownFailures {
                     let message =
                         format!("two entries name the case {case}: lines {other} and {line}");
                     let help =
-                        "a case has one entry: take it out of a pattern, or remove one of the two";
+                        "a case has one entry: exclude it from a pattern, or remove one of the two";
                     return Err(at_name(message, help.to_owned()));
                 }
             }

@@ -25,7 +25,7 @@ impl Rewriting {
         }
     }
 
-    /// The entry `name` replaced, in its place, by `entries` with these names, with what changes in them.
+    /// Replaces the entry `name`, in its place, by copies under new names, each with its changed keys.
     pub fn replace(&mut self, name: &str, entries: Vec<(String, Keys)>) {
         let Some(entry) = self.document.remove(name) else {
             return;
@@ -64,7 +64,7 @@ impl Rewriting {
     }
 }
 
-/// Writes `keys` into an entry, whose reason and link stay, and comments beside keys that have a value.
+/// Sets or removes `keys` of an entry. Keeps its other keys, and the comments beside keys that keep a value.
 fn write(entry: &mut dyn TableLike, keys: Keys) {
     for (key, new) in keys {
         let Some(mut new) = new else {

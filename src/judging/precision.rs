@@ -124,7 +124,7 @@ fn of_whole_numbers(film: &Film) -> Vec<Reading> {
     let films = Quantisation::of_whole_numbers(film).into_iter().flatten();
     let read = ["divided by 255", "divided by 255 and decoded from sRGB"];
     let readings = films.zip(read).map(|(film, read)| Reading {
-        words: format!("the image agrees where its codes are {read}"),
+        words: format!("the image agrees if its codes are {read}"),
         film,
     });
     readings.collect()
@@ -179,7 +179,7 @@ fn other_encoding(case: &Case, picture: &Picture) -> Option<Reading> {
     };
     Some(Reading {
         film: quantisation.read_as(encoding, &film),
-        words: format!("the image agrees where its codes are declared with --bits {bits}"),
+        words: format!("the image agrees if its codes are declared with --bits {bits}"),
     })
 }
 

@@ -41,10 +41,9 @@ pub fn judge_one(checked: &CheckedGolden, image: &Film) -> Judgement {
         .with_changes_of(IMAGE, image)
 }
 
-/// Entries of the smallest table in which renderers look up colours and opacities. With the nodes of
-/// the scene's table at multiples of 1/255 it is exact; but one of another size rounds each kink, one of
-/// corrected opacities each curve, and where values are taken for texture coordinates they are off by
-/// up to half an entry.
+/// Entries of the smallest table in which renderers look up colours and opacities. It is exact if the nodes of the scene's
+/// table lie at multiples of 1/255. Tables of other sizes round kinks, tables of corrected opacities round curves, and
+/// values taken for texture coordinates are off by up to half an entry.
 const TABLE: f64 = 256.0;
 
 /// Images of `scene` from values that are off by half an entry of a table, up and down.

@@ -33,7 +33,7 @@ use std::collections::BTreeMap;
 
 /// Sentence for a difference of which noise hides the cause.
 const UNDECIDABLE: &str =
-    "noise hides the difference where causes are compared: more samples would show it";
+    "the image is too noisy to compare causes: more samples would show the difference";
 
 /// Sentence for right colours with an opacity that no mistake makes.
 const OF_OPACITY_ALONE: &str = "the colours are right: the difference is in opacity alone, and no mistake of opacity that \

@@ -177,7 +177,7 @@ fn answer(
             "{NOT_RENDERED}{}",
             one_line(&words)
         )))),
-        Ok(_) => wrong("answered with none or several of image, error and cannot"),
+        Ok(_) => wrong("gave an answer that does not have exactly one of image, error and cannot"),
         Err(error) => wrong(format!(
             "gave an answer that cannot be read ({error}): {}",
             plain(&line)

@@ -48,7 +48,7 @@ pub enum Kept {
 }
 
 impl Kept {
-    /// The part of `ray` in it, behind the eye, too, if it has one.
+    /// The interval of the whole line of `ray` inside this region, also at negative distances; `None` if it is empty.
     pub fn span(&self, ray: &Ray) -> Option<Span> {
         let (point, normal) = match self {
             Kept::Inside(bounds) => return bounds.span(ray),

@@ -91,7 +91,7 @@ impl Number {
         }
     }
 
-    /// This parameter of a volume alone as that of the volume of this index, from 0, among others.
+    /// Makes a parameter of a single volume act on the volume `index`, from 0, of a scene with several.
     pub(super) fn of_volume(self, index: usize) -> Number {
         let edit = self.edit;
         Number {

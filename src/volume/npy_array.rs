@@ -42,7 +42,7 @@ fn unzipped<T>(decode: impl FnOnce() -> ZipResult<T>) -> Result<T, VolumeFault> 
     let result = decoder::run(decode).map_err(|stopped| stopped.to_string());
     let result = result.and_then(|it| it.map_err(|error| error.to_string()));
     result.map_err(|error| {
-        format!("no readable NPZ file: {error}; numpy.savez of one array writes it right").into()
+        format!("no readable NPZ file: {error}; write one array by numpy.savez").into()
     })
 }
 
@@ -93,7 +93,7 @@ fn read_up_to(end: usize, source: &mut impl Read, bytes: &mut Vec<u8>) -> io::Re
 }
 
 fn fault(reason: String) -> VolumeFault {
-    format!("not a readable NPY array: {reason}; numpy.save of an array of numbers, of shape (z, y, x), writes it right")
+    format!("not a readable NPY array: {reason}; write it by numpy.save, from an array of numbers of shape (z, y, x)")
         .into()
 }
 

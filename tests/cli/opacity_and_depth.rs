@@ -171,7 +171,7 @@ fn depth_is_judged_where_it_is_asked_for() {
     let plain = rendered(&folder, &["--depth=half-along-view", "--reference"]);
     validate(&folder, &plain, &[]).expect(0, "");
     let other = rendered(&folder, &["--depth"]);
-    let said = "it is the mean depth, and the case asks for the half-along-view one";
+    let said = "it is the mean depth, but the case asks for the half-along-view one";
     prints(
         &validate(&folder, &other, &[]),
         1,

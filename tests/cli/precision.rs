@@ -63,7 +63,7 @@ fn codes_of_a_png_are_radiance_where_bits_are_declared() {
     // By how it looks, a linear PNG is too dark.
     let run = validate(&folder, &[]);
     assert_eq!(run.code, 1);
-    let said = "agrees where its codes are declared with --bits 8-linear";
+    let said = "agrees if its codes are declared with --bits 8-linear";
     let reason = result(&run)["reason"].to_string();
     assert!(reason.contains(said), "{reason}");
     let run = validate(&folder, &["--bits", "8-linear"]);

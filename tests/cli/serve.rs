@@ -179,7 +179,11 @@ fn faults_are_of_one_case() {
             2,
         ),
         ("echo '{hello'", "): {hello", 2),
-        ("echo '{}'", "none or several of image, error and cannot", 2),
+        (
+            "echo '{}'",
+            "not have exactly one of image, error and cannot",
+            2,
+        ),
         ("echo '{\"image\": 7}'", "cannot be read", 2),
         ("printf '{\\000\\033[31m\\377}\\n'", "): {[31m", 2),
         (&too_long, "longer than 64 KiB", 2),

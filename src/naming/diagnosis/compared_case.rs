@@ -20,12 +20,12 @@ use crate::suite::Case;
 use crate::variations::edited_film::mapped;
 use crate::variations::mistakes::Mistake;
 
-/// Largest share of the squared difference that a prediction may leave which passes for the image. Codes of 8 bits round
-/// small differences, and a gate allows what is below its tolerance: passing alone explains nothing.
+/// Largest share of the squared difference that a prediction may leave, beside passing for the image. Codes of 8 bits
+/// round small differences, and a gate allows what is below its tolerance: passing alone explains nothing.
 const OF_ROUNDING: f64 = 0.5;
 
-/// The same on a lattice. Its share is an estimate from 2000 pixels or more: one that is half the
-/// pixels' has a standard error of a tenth even where one pixel in fifty differs.
+/// On the lattice, predictions that leave more than this share are dropped. The share is an estimate from 2000 pixels or
+/// more: a share of one half has a standard error of a tenth even if one pixel in fifty differs.
 const FAR_OFF_ON_LATTICE: f64 = 0.75;
 
 /// Hypotheses that get the next closer look.
@@ -38,7 +38,7 @@ const EVENTS_OF_AN_EDIT: usize = 8;
 /// another parameter may have a larger score than the one that is off.
 const SUSPICIOUS: f64 = 0.5;
 
-/// Seed of the renderings that decide, none of those that were fitted.
+/// Seed of the renderings that decide; the fit uses other seeds.
 const CLOSE_SEED: u64 = 7;
 
 /// Values that the file of an image can hold.

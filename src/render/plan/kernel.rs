@@ -70,7 +70,7 @@ impl RayCasterFeatures {
     }
 }
 
-/// Features that the renderers of surfaces and media meet. They do not look for others.
+/// Features of a scene that the renderers of surfaces and media meet. They skip the code for the others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RadiativeFeatures {
     /// There are media.
@@ -90,7 +90,7 @@ pub struct RadiativeFeatures {
 }
 
 impl RadiativeFeatures {
-    /// Anything, but for vacuum media.
+    /// Every feature; vacuum media are skipped, as always.
     pub const ALL: RadiativeFeatures = RadiativeFeatures {
         media: true,
         vacuum_media: false,

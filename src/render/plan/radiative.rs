@@ -52,8 +52,8 @@ pub(super) fn plan<'s>(panel: &'s Panel, scene: &'s Radiative, forced: &[Effect]
 }
 
 impl<'s> Contents<'s> {
-    /// The cheapest kernel that is exact, with the reason. Forced effects do not count: the path
-    /// tracer samples the whole pixel, not its centre.
+    /// The cheapest kernel that is exact, with the reason. A forced effect never changes the kernel: the path tracer
+    /// averages over the pixel, and would change the image.
     fn kernel(&self, features: RadiativeFeatures, scatters: bool) -> (Kernel<'s>, Reason) {
         let scene = self.scene;
         let line_of_sight = Kernel::LineOfSight {

@@ -44,8 +44,8 @@ impl DirectLight<'_> {
         response.value * irradiance * Visibility(self.0).along(&ray, distance, tracker)
     }
 
-    /// Radiance scattered at `vertex` of the direct light of the area light with number `index`:
-    /// one point of the light, weighted against [`ScatteringFunction::sample`] hitting it.
+    /// Radiance scattered at `vertex` from the area light `index`. Samples one point of the light, weighted by the power
+    /// heuristic against [`ScatteringFunction::sample`].
     pub fn of_area_light(self, vertex: &Vertex, index: usize, tracker: &mut Tracker<'_>) -> DVec3 {
         let light = &self.0.radiative.area_lights[index];
         if light.radiance == DVec3::ZERO {
@@ -56,9 +56,9 @@ impl DirectLight<'_> {
         self.weighted_area_light(vertex, light, numbers, weight, tracker)
     }
 
-    /// Radiance scattered at `vertex` of the light of one point of an area light, the point for
-    /// `numbers`, times `weight`: a function of two densities per steradian at the vertex, of the point
-    /// and of the direction ([`Response::pdf`](super::scattering_function::Response::pdf)).
+    /// Radiance scattered at `vertex` from the point of an area light that `numbers` selects, times `weight`. That
+    /// function takes two densities per steradian at the vertex: of the point, and of the direction
+    /// ([`Response::pdf`](super::scattering_function::Response::pdf)).
     pub fn weighted_area_light(
         self,
         vertex: &Vertex,

@@ -26,7 +26,7 @@ pub struct LineOfSight<'s> {
     /// The scene. Where light is scattered, lights have no extent and surfaces are diffuse;
     /// where media scatter, there are no surfaces, whose shadows could be too narrow to be found.
     pub scene: SceneContext<'s>,
-    /// Light is scattered, once.
+    /// True if single scattering is computed.
     pub scattering: bool,
     /// Error of an integral relative to its value.
     pub tolerance: f64,

@@ -200,8 +200,8 @@ impl<'s> Media<'s> {
     }
 }
 
-/// The densities in `bodies` through which light may be tracked: all where any medium emits, else those
-/// without an integral and those of media that scatter.
+/// The densities in `bodies` through which light may be tracked. If any medium emits, these are all; else the ones that
+/// have no integral along a line, or belong to media that scatter.
 pub(in crate::render) fn tracked(bodies: &[Body]) -> impl Iterator<Item = &Density> {
     let emissive = bodies
         .iter()

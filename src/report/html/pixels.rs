@@ -15,8 +15,8 @@ const DROPPED: u32 = 13;
 /// Longest side of a thumbnail in a list.
 pub(super) const THUMBNAIL: usize = 44;
 
-/// Largest of the whole numbers that stand for fractions. An eighth of the bytes of a page of
-/// noisy images would be FLIP maps in finer steps, and no eye sees those.
+/// Largest of the whole numbers that stand for fractions. In finer steps, which no eye sees, FLIP maps would fill an
+/// eighth of a page of noisy images.
 pub(super) const WHOLE: u8 = 63;
 
 /// Numbers that change little from pixel to pixel, `width` pixels to a row: stored as steps along

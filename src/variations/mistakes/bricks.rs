@@ -20,7 +20,7 @@ macro_rules! of_bricks {
         concat!("samples-counted-from-bricks-of-", $edge) => Classified(|scene| {
             makes(scene, !scene.continuous && has_borders(scene.grid.lattice(), $edge), Fault::StepsFromBricks($edge))
         }),
-            concat!("samples are counted anew from the face of each brick of ", $edge, " cells: they lie at whole steps from where the ray enters the volume, whatever it is stored in");
+            concat!("samples are counted anew from the face of each brick of ", $edge, " cells: continue the steps of the ray across bricks, from where it enters the volume");
         )+
         "atlas-width-wrong" => Grid(of_a_wrong_atlas),
             "slices of the volume are taken from the wrong places of their atlas: of an atlas of nx by ny slices, slice k is in column k mod nx and row floor(k / nx), not floor(k / ny); a square one hides it";

@@ -57,7 +57,7 @@ pub(super) const MISTAKES: &[Mistake] = mistakes! {
     "bright-doubled" => Pixels(|film| scaled(film, 2.0)),
         "the whole image is twice as bright as it should be: is something counted twice, such as a light that rays hit and that is sampled as well, without weights?";
     "bright-halved" => Pixels(|film| scaled(film, 0.5)),
-        "the whole image is half as bright as it should be: is a probability of one half divided out only once, or a sum of two averaged?";
+        "the whole image is half as bright as it should be: is a division by a probability of one half missing, or a sum of two averaged?";
     "black" => Pixels(|film| scaled(film, 0.0)),
         "the image is black: nothing was rendered, or nothing was written";
     "premultiplied-twice" => Pixels(|film| {

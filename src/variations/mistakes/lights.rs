@@ -30,13 +30,13 @@ pub(super) const MISTAKES: &[Mistake] = mistakes! {
     }),
         "directional light comes from the opposite side: `direction` is the direction the light travels";
     "spot-angles-halved" => Light(|light| cone(light, |[inner, outer]| [inner / 2.0, outer / 2.0])),
-        "spotlight cones are half as wide as they should be: angles are measured from the axis to the edge, not from edge to edge";
+        "spotlight cones are half as wide as they should be: measure angles from the axis to the edge, not from edge to edge";
     "spot-angles-doubled" => Light(|light| cone(light, |[inner, outer]| [inner * 2.0, (outer * 2.0).min(180.0)])),
-        "spotlight cones are twice as wide as they should be: angles are measured from the axis to the edge";
+        "spotlight cones are twice as wide as they should be: measure angles from the axis to the edge";
     "spot-without-fall-off" => Light(|light| cone(light, |[_, outer]| [outer, outer])),
-        "spotlights end with a hard edge: their intensity falls linearly in the angle from inner_angle to outer_angle";
+        "spotlights end with a hard edge: their intensity should fall linearly in the angle from inner_angle to outer_angle";
     "environment-left-out" => Radiative(|scene| set(&mut scene.environment, DVec3::ZERO)),
-        "the environment is missing: rays that leave the scene bring its radiance back";
+        "the environment is missing: rays that leave the scene should bring its radiance back";
     "environment-doubled" => Radiative(|scene| {
         let doubled = 2.0 * scene.environment;
         set(&mut scene.environment, doubled)

@@ -22,9 +22,9 @@ pub(super) const MISTAKES: &[Mistake] = mistakes! {
     }),
         "sigma_t is used for sigma_s: what is absorbed is scattered as well, so that the albedo is 1; multiply by sigma_s / sigma_t at every collision";
     "absorption-left-out" => Medium(|medium| coefficients(medium, |_, s| (DVec3::ZERO, s))),
-        "sigma_s is used for sigma_t: nothing is absorbed; the extinction is sigma_a + sigma_s";
+        "sigma_s is used for sigma_t: nothing is absorbed; the extinction should be sigma_a + sigma_s";
     "scattering-left-out" => Medium(|medium| coefficients(medium, |a, _| (a, DVec3::ZERO))),
-        "scattering is missing altogether: light that is scattered is neither taken from the ray nor sent elsewhere; the extinction is sigma_a + sigma_s";
+        "scattering is missing altogether: light that is scattered is neither taken from the ray nor sent elsewhere; the extinction should be sigma_a + sigma_s";
     "in-scattering-left-out" => Medium(|medium| coefficients(medium, |a, s| (a + s, DVec3::ZERO))),
         "light that is scattered is lost: the extinction is right, but no light is scattered into the ray; check that the medium is lit at all, by shadow rays and by further scattering";
     "absorption-and-scattering-exchanged" => Medium(|medium| coefficients(medium, |a, s| (s, a))),

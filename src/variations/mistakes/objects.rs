@@ -30,9 +30,9 @@ pub(super) const MISTAKES: &[Mistake] = mistakes! {
     }),
         "colours and opacities are those of the second number: it gives the factor of opacities alone";
     "surfaces-behind-volumes" => Classified(|scene| makes(scene, !scene.objects.surfaces.is_empty(), Fault::SurfacesBehind)),
-        "surfaces lie behind all volumes: a ray ends at the nearest surface, and what is behind it is not sampled";
+        "surfaces lie behind all volumes: a ray should end at the nearest surface, and sample nothing behind it";
     "surfaces-in-front-of-volumes" => Classified(|scene| makes(scene, !scene.objects.surfaces.is_empty(), Fault::SurfacesInFront)),
-        "surfaces hide the volumes before them: what a ray passes on its way to a surface lies in front of it";
+        "surfaces hide the volumes in front of them: a ray should sample what it passes on its way to a surface";
     "surfaces-cut-by-boxes" => Classified(|scene| makes(scene, !scene.objects.surfaces.is_empty(), Fault::SurfacesCutByBoxes)),
         "surfaces within or behind the box of a volume are missing: a volume that is drawn first must leave no depth at the faces of its box, where nothing may be";
     "surfaces-cast-no-shadow" => Classified(|scene| {
