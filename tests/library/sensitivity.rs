@@ -166,7 +166,7 @@ fn nothing_of_a_furnace_is_seen() {
 /// Derivatives by the place of a volume are the differences of images whose map is another one.
 #[test]
 fn a_placed_volume_is_moved_turned_and_stretched() {
-    let scene = scene("scenes/turned", [24, 24]);
+    let scene = scene("scenes/turned", [16, 16]);
     let volume = scene.panels[0].classified().unwrap();
     let (map, extent) = (volume.to_world.unwrap(), volume.extent());
     let (centre, edges) = (extent.bounds.centre(), volume.cell_edges());

@@ -210,7 +210,7 @@ fn a_name_is_right_or_there_is_none() {
     let predictions = Predictions::default();
     let search = uninterrupted(None, &predictions);
     let faults = faults();
-    for (name, named, described, words) in IN_EVERY_RUN.into_iter().step_by(tries(3, 1)) {
+    for (name, named, described, words) in IN_EVERY_RUN.into_iter().step_by(tries(5, 1)) {
         let fault = faults.iter().find(|fault| fault.name == name).unwrap();
         let judged = verdict(fault, 16, None, &search);
         assert!(judged.is_caught(), "{name}: {}", judged.text);
